@@ -115,3 +115,38 @@ def test_an_error_is_what_the_likelihood_falls_by() -> None:
             made.policy,
         )
         assert off.deviance - fit.deviance == pytest.approx(4.0, rel=0.35)
+
+
+@lru_cache(maxsize=4)
+def followed_slider(length: float, mass: float, time: float) -> Floats:
+    """A driven slider of another size: what is forecast of it, and by how much its run is missed, over its lengths."""
+    force = mass * length / time**2
+    model, plain = (
+        ss.Model(
+            ss.DrivenSlider(mass=95.1 * m, damping=203.5 * m / by),
+            friction=ss.CoulombFriction(static=20.4 * f, kinetic=20.4 * f),
+        )
+        for m, by, f in ((mass, time, force), (1.0, 1.0, 1.0))
+    )
+    t = np.arange(0.0, 2.0, 1e-3)
+    drive = 60 * np.sin(6 * t) + 20 * np.sin(1.3 * t)
+    run = ss.simulate(plain, drive=(t, drive), initial=(0.0, 0.0), t_end=float(t[-1]), t_eval=t)
+    x = run.x1 + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
+    units = {name: ss.Channel(name, unit) for name, unit in (("t", "s"), ("x1", "m"), ("drive", "N"))}
+    recording = ss.load_recording(
+        {"t": t * time, "x1": x * length, "drive": drive * force}, model.rig, channels=units
+    )
+    ahead = ss.forecast(model, recording, horizon=0.1 * time, drive=10.0 * force)
+    missed = next(
+        one.simulated for one in ss.compare(model, recording).rows if one.quantity == "position missed"
+    )
+    assert missed is not None
+    return np.array([*ahead.iloc[-1, 1:], missed]) / length
+
+
+@pytest.mark.parametrize(("length", "mass", "time"), [(1e-6, 1e-9, 1.0), (1e3, 1.0, 1e-2)])
+def test_a_driven_slider_of_another_size_is_followed_the_same(
+    length: float, mass: float, time: float
+) -> None:
+    """What a step of the fit of its start gained was held against 1e-8 of a metre, though all moves by micrometres."""
+    np.testing.assert_allclose(followed_slider(length, mass, time), followed_slider(1.0, 1.0, 1.0), rtol=1e-6)

@@ -178,6 +178,40 @@ def test_where_a_curve_leads_names_whose_steps_ran_out_are_fitted_anew(
     assert min(made, key=lambda one: one.deviance).names == ((asked or [curve.name])[0],)
 
 
+@pytest.mark.parametrize(("gain", "starts"), [(300.0, 1), (600.0, 3)])
+@pytest.mark.parametrize("kind", ["spring_gap_k3@link_1", "curve"])
+def test_what_promises_less_than_another_reaches_is_fitted_once(
+    monkeypatch: pytest.MonkeyPatch, gain: float, starts: int, kind: str
+) -> None:
+    """A contact that yields was fitted from three starts, a minute each, while a ripple explained twice its score."""
+    own = bench()
+    fit = replace(null(own.windows(), replace(own.policy, most_steps=1)), deviance=1000.0)
+    kinds, curve = {label(one): one for one in own.kinds()}, curves(own)["link_1", "deflection"]
+    none = np.zeros(len(fit.at))
+    other = (
+        term(curve, {one.name: 0.1 for one in curve.parameters})
+        if kind == "curve"
+        else term(kinds[kind], {"k": 2.0, "d": 0.05})
+    )
+    every = [
+        Candidate(term(kinds["spring_cubic_k1@link_1"], {"k": 70.0}), 500.0, 1, none),
+        Candidate(other, gain, 2, none),
+    ]
+    begun = list[str]()
+
+    def from_near(_: GeneralBench, start: Fit) -> Fit:
+        name = start.windows.numbers[-1].name.rpartition(".")[0]
+        begun.append(name)
+        leads = name == "spring_cubic_k1@link_1"
+        return replace(start, deviance=500.0 if leads else 1100.0, steps=5 if leads else 16)
+
+    monkeypatch.setattr(trials, "from_near", from_near)
+    monkeypatch.setattr(trials, "_sought", lambda _, __, found, *___: found[0])
+    trials.all_full(own, Trial((), fit), every, ALONE)
+    assert begun.count(other.name) == starts
+    assert begun.count("spring_cubic_k1@link_1") == 1
+
+
 @pytest.mark.parametrize(("short", "told"), [(90.0, True), (200.0, False)])
 def test_names_that_only_together_do_what_a_curve_does_are_told_as_one(
     monkeypatch: pytest.MonkeyPatch, short: float, told: bool

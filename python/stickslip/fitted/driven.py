@@ -26,6 +26,7 @@ STARTS = 40  # forecasts within the past whose errors say how far off one may be
 FEWEST = 6  # of these
 GROWS = 1.5  # power of time by which a doubt of the force grows, integrated twice, beyond what the past shows
 MOST = 1_000_000  # samples of a forecast
+RESOLVED = 1e-10  # of how far the slider moves, and of 1: a position may be of micrometres, in SI
 PIECES = 40  # a comparison follows the record in so many
 
 
@@ -119,10 +120,16 @@ def _ahead(model: Model, course: Speed, recording: Recording, at: int, times: Fl
     first, last = float(recording.t[at - PAST + 1]), float(times[-1])
     course = course.within(first - max([0.0, *late]), last - min([0.0, *late]))
     begun = _begun(model, course, recording, at)
-    run = simulate(model, drive=course, initial=begun, t_end=float(times[-1]), t_eval=times)
+    run = simulate(
+        model, drive=course, initial=begun, t_end=float(times[-1]), t_eval=times, atol=_resolved(recording)
+    )
     if len(run.t) < len(times):
         raise StickslipError(f"the model's run {run.status}")
     return run.x1
+
+
+def _resolved(recording: Recording) -> float:
+    return RESOLVED * min(float(np.ptp(recording.x1)), 1.0)
 
 
 def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajectory:
@@ -130,7 +137,9 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
     part = slice(at - PAST + 1, at + 1)
     t, x = recording.t[part], recording.x1[part]
     since = (t - t[0]) / (t[-1] - t[0])
-    b = np.linalg.lstsq(np.vander(since, 4, increasing=True), x, rcond=None)[0]
+    cubic = np.vander(since, 4, increasing=True)
+    b = np.linalg.lstsq(cubic, x, rcond=None)[0]
+    unit = max(float(np.std(x - cubic @ b)), RESOLVED * float(np.ptp(recording.x1))) or 1.0
 
     held = _hidden(model, course, float(t[0]), recording)
 
@@ -143,15 +152,16 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
             t_start=float(t[0]),
             t_end=float(t[-1]),
             t_eval=t,
+            atol=_resolved(recording),
             sensitivity=("initial.x1", "initial.x2"),
         )
 
     def missed(start: Floats) -> Floats:
         made = run(*start.tolist())
-        return made.x1 - x if len(made.t) == len(t) else np.full(len(t), np.ptp(x) + 1.0)
+        return (made.x1 - x) / unit if len(made.t) == len(t) else np.full(len(t), np.inf)
 
     def slopes(start: Floats) -> Floats:
-        return run(*start.tolist()).sensitivity[:, 0]
+        return run(*start.tolist()).sensitivity[:, 0] / unit
 
     starts = [np.array([b[0], b[1] / (t[-1] - t[0])]), np.array([float(x.mean()), 0.0])]
     first = min(starts, key=lambda one: float(missed(one) @ missed(one)))

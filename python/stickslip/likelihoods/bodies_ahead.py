@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.errors import StickslipError
 from stickslip.fitted.bodies_data import BodiesData
+from stickslip.likelihoods.bodies_starts import resolved
 from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import POLICY
@@ -45,7 +46,7 @@ def _core_run(point: RunWindows, values: Floats, modes: list[int], t: Floats) ->
         t_end=float(t[-1]),
         t_eval=t,
         rtol=POLICY.tolerance,
-        atol=0.01 * POLICY.tolerance,
+        atol=resolved(point.of.scales[point.run], POLICY),
         locator=_core.Locator.henon,
         seeds=np.zeros((0, len(values))),
         max_transitions=1_000_000,

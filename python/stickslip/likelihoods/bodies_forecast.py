@@ -23,6 +23,7 @@ from stickslip.errors import InputError, ModelWarning, StickslipError, number
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.bodies_cuts import cuts, tail
+from stickslip.likelihoods.bodies_starts import resolved
 from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
@@ -237,7 +238,7 @@ class _Members:
             t_end=until,
             t_eval=times,
             rtol=policy.tolerance,
-            atol=0.01 * policy.tolerance * float(min(self.windows.scales[0][0].min(), 1.0)),
+            atol=resolved(self.windows.scales[0], policy),
             locator=_core.Locator.henon,
             seeds=np.zeros((0, len(values))),
             max_transitions=policy.most_transitions,

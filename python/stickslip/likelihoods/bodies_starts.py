@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fitted.bodies_data import BodiesData
+from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
 
@@ -48,3 +49,9 @@ def scales_of(run: BodiesData) -> tuple[Floats, Floats]:
     v = np.std(run.v, axis=0)
     v = np.maximum(v, 1e-3 * max(float(v.max()), 1e-300))
     return v * run.periods[0] / (2 * np.pi), v
+
+
+def resolved(scales: tuple[Floats, Floats], policy: Policy) -> float:
+    """Return the absolute tolerance of a run's simulations: states may be of micrometres, in SI."""
+    smallest = min(float(one.min()) for one in scales)
+    return 0.01 * policy.tolerance * min(smallest, 1.0)

@@ -25,7 +25,7 @@ from stickslip.likelihoods.bodies_effects import Beginnings, Reads
 from stickslip.likelihoods.bodies_own_friction import lowered, places_of
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
-from stickslip.likelihoods.bodies_starts import BodiesStart, scales_of, start_of
+from stickslip.likelihoods.bodies_starts import BodiesStart, resolved, scales_of, start_of
 from stickslip.likelihoods.contact_scatter import (
     OWN,
     ContactScatter,
@@ -313,7 +313,7 @@ class RunWindows:
             t_end=float(t[-1]),
             t_eval=t,
             rtol=of.policy.tolerance,
-            atol=0.01 * of.policy.tolerance * float(min(of.scales[self.run][0].min(), 1.0)),
+            atol=resolved(of.scales[self.run], of.policy),
             locator=_core.Locator.henon,
             seeds=rows if seeds else rows[: len(rows) - of.own],
             max_transitions=of.policy.most_transitions,
