@@ -128,7 +128,7 @@ def followed_slider(length: float, mass: float, time: float) -> Floats:
         )
         for m, by, f in ((mass, time, force), (1.0, 1.0, 1.0))
     )
-    t = np.arange(0.0, 2.0, 1e-3)
+    t = np.arange(0.0, 1.0, 1e-3)
     drive = 60 * np.sin(6 * t) + 20 * np.sin(1.3 * t)
     run = ss.simulate(plain, drive=(t, drive), initial=(0.0, 0.0), t_end=float(t[-1]), t_eval=t)
     x = run.x1 + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
