@@ -17,6 +17,7 @@ from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.screen import Candidate, Screen
 from stickslip.discovery.laboratory.search import Searched, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
+from stickslip.discovery.laboratory.waves import waves_at
 from stickslip.discovery.workers import ALONE
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import null
@@ -265,3 +266,14 @@ def test_a_size_at_its_bound_is_not_told(bench: BeltBench, fit: Fit) -> None:
         known = replace(fit.solution, covariance=1e-6 * np.eye(len(at)))
         there = replace(fit, windows=windows, at=at, solution=known)
         assert math.isfinite(told_by_sizes(Trial((one,), there))) == told
+
+
+@pytest.mark.parametrize("name", ["harmonic_forcing", "belt_speed_ripple", "belt_seam"])
+def test_frequencies_at_once_are_what_each_is_alone(bench: BeltBench, fit: Fit, name: str) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == name]
+    every = [0.5, 1.3, 3.0]
+    together = waves_at(bench, fit, (), kind, every)
+    assert [one.w for one in together] == every
+    for w, one in zip(every, together, strict=True):
+        for a, b in zip(one.columns, waves_at(bench, fit, (), kind, [w])[0].columns, strict=True):
+            np.testing.assert_array_equal(a, b)

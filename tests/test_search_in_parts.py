@@ -68,17 +68,6 @@ def test_a_wave_s_cosine_is_what_it_is_at_another_phase(bench: BeltBench, fit: F
         assert np.abs(a[:, :, 1] - a[:, :, 0]).max() > 0.1 * np.abs(b[:, :, 0]).max()
 
 
-@pytest.mark.parametrize("name", ["harmonic_forcing", "belt_speed_ripple", "belt_seam"])
-def test_frequencies_at_once_are_what_each_is_alone(bench: BeltBench, fit: Fit, name: str) -> None:
-    (kind,) = [one for one in bench.kinds() if one.name == name]
-    every = [0.5, W, 3.0]
-    together = waves_at(bench, fit, (), kind, every)
-    assert [one.w for one in together] == every
-    for w, one in zip(every, together, strict=True):
-        for a, b in zip(one.columns, waves_at(bench, fit, (), kind, [w])[0].columns, strict=True):
-            np.testing.assert_array_equal(a, b)
-
-
 def test_several_processes_find_the_same_to_the_last_digit(bench: BeltBench, fit: Fit) -> None:
     workers = Workers(2)
     one, two = screened(bench, fit, ()), screened(bench, fit, (), workers)

@@ -31,4 +31,12 @@ struct BySeed {
   }
 };
 
+// What a change of each of n numbers by itself, or by 1 if it is less, is of each seed.
+template <class T>
+BySeed<T> change_by_seed(const T* numbers, int n) {
+  BySeed<T> size(1.0);
+  for (int i = 0; i < n; ++i) size.raise(numbers[i], std::abs(numbers[i].v));
+  return size;
+}
+
 }  // namespace stickslip::inline STICKSLIP_ISA

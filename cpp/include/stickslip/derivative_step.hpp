@@ -15,13 +15,11 @@ constexpr double derivative_floor =
 
 struct NoSeeds {};
 
-// What a change of a parameter by itself, or by 1 if it is less, is of each seed; nothing without seeds.
+// Of the parameters; nothing without seeds.
 template <class T>
 auto change_by_seed(const System<T>& sys) {
   if constexpr (requires(T x) { x.d[0]; }) {
-    BySeed<T> size(1.0);
-    for (int slot = 0; slot < parameter_count; ++slot) size.raise(sys.p[slot], std::abs(sys.p[slot].v));
-    return size;
+    return change_by_seed(sys.p.p, parameter_count);
   } else {
     return NoSeeds{};
   }

@@ -7,14 +7,6 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
-// As `change_by_seed` of a named rig.
-template <class T>
-BySeed<T> change_by_seed(const BodiesSystem<T>& sys) {
-  BySeed<T> size(1.0);
-  for (int slot = 0; slot < sys.at.size; ++slot) size.raise(sys.values[slot], std::abs(sys.values[slot].v));
-  return size;
-}
-
 // Shortens h until the last two terms of each derivative of each state are below the tolerance beside the largest term of
 // that state's, or beside a share of the state's own scale.
 template <class T>
@@ -26,7 +18,7 @@ double bodies_derivative_step(const BodiesSystem<T>& sys, int order, double h, d
     top = std::max(top, by * std::abs(sys.v[i * series_size].v));
     top = std::max(top, by * frequency * std::abs(sys.q[i * series_size].v));
   }
-  const BySeed<T> change = change_by_seed(sys);
+  const BySeed<T> change = change_by_seed(sys.values, sys.at.size);
   const auto shorten = [&](const T* series, double scale) {
     const BySeed<T> floors = derivative_floors(change, scale);
     const auto allows = [&](int, double step) {
