@@ -23,10 +23,10 @@ from scipy.io import loadmat
 
 import stickslip as ss
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.fitted_motion import DeclaredMass
-from stickslip.discovery.driven_slider.loop import balance, discover, model, uncertainty
-from stickslip.discovery.driven_slider.noise import Noise
+from stickslip.discovery.driven_slider.loop import discover, model
 from stickslip.discovery.driven_slider.search import DrivenSearch
+from stickslip.likelihoods.driven_slider.noise import Noise
+from stickslip.likelihoods.driven_slider.prepared import balance, declared_mass
 from stickslip.measured.case import Case
 from stickslip.simulated.driven_slider import Loop, closed_loop
 
@@ -113,7 +113,7 @@ def fitted(path: Path) -> tuple[Case, dict[str, np.ndarray], Model, Noise]:
     if not link.exists():
         link.symlink_to(path.resolve())
     case = ss.load_case(folder, files_from=path.resolve().parent)
-    search = DrivenSearch(balance(case.train, DeclaredMass(case.rig.mass, uncertainty(case))), lambda _: None)
+    search = DrivenSearch(balance(case.train, declared_mass(case.rig, case.uncertainty)), lambda _: None)
     return case, data, model(case, search.null), search.null.noise
 
 

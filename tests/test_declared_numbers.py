@@ -15,7 +15,7 @@ from found_by_hand import RIG_SI, SCHEMA, made
 from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.friction_law import given_numbers
-from stickslip.discovery.result import Interval
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import page
 

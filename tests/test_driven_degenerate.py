@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.discovery.driven_slider.dictionary import tried
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass
-from stickslip.discovery.driven_slider.intervals import intervals
-from stickslip.discovery.driven_slider.motion import band, motion
-from stickslip.discovery.driven_slider.noise import Noise
 from stickslip.discovery.driven_slider.search import possible
-from stickslip.discovery.driven_slider.terms import Law, grids, terms
+from stickslip.likelihoods.driven_slider.dictionary import tried
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, DeclaredMass
+from stickslip.likelihoods.driven_slider.intervals import intervals
+from stickslip.likelihoods.driven_slider.motion import band, motion
+from stickslip.likelihoods.driven_slider.noise import Noise
+from stickslip.likelihoods.driven_slider.terms import Law, grids, terms
 
 MASS, DT = 12.0, 2e-3
 RIG = ss.DrivenSlider(mass=MASS)

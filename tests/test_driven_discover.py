@@ -20,9 +20,9 @@ import driven_truth as truth
 import stickslip as ss
 from quick_figures import quickly
 from stickslip.cli.commands import main
-from stickslip.discovery.driven_slider.motion import Band, instant
 from stickslip.discovery.driven_slider.published import inverse_model, loop_errors, symmetric_model
 from stickslip.discovery.result import Found
+from stickslip.likelihoods.driven_slider.motion import Band, instant
 from stickslip.simulated.driven_slider import Loop
 from studies import few
 

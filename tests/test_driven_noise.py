@@ -8,14 +8,14 @@ import scipy
 
 import driven_truth as truth
 import stickslip as ss
-from stickslip.discovery.driven_slider.dictionary import mass_term
-from stickslip.discovery.driven_slider.feedback import feedback
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass
-from stickslip.discovery.driven_slider.motion import motion, spread
-from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener, autoregressions
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.search import extreme
+from stickslip.likelihoods.driven_slider.dictionary import mass_term
+from stickslip.likelihoods.driven_slider.feedback import feedback
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, DeclaredMass
+from stickslip.likelihoods.driven_slider.gate import extreme
+from stickslip.likelihoods.driven_slider.motion import motion, spread
+from stickslip.likelihoods.driven_slider.noise import Noise, Sampling, Whitener, autoregressions
+from stickslip.likelihoods.driven_slider.policy import STEER
 from studies import few
 
 

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 from browser import WIDTHS, chromium, program
 from found_by_hand import made
-from stickslip.discovery.result import Found, Interval
+from stickslip.discovery.result import Found
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.pages.filters import agreement
 from stickslip.shown.pages.interactive import interactive, plain
 from stickslip.shown.report.write import write_report

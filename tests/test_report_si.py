@@ -18,7 +18,7 @@ from stickslip.declared.dimensions import NUMBER
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.laws import LAWS
 from stickslip.declared.si import OF_EFFECTS, si_of
-from stickslip.discovery.result import Interval
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import page
 

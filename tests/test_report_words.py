@@ -21,7 +21,8 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.laboratory.block_words import absorbed
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Alternative, Curve, Interval, Likelihood, Part, Verdict
+from stickslip.discovery.result import Alternative, Curve, Likelihood, Part, Verdict
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
 from stickslip.shown.report import words

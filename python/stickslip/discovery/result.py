@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.discovery.plain import Json, plain
 from stickslip.errors import InputError
+from stickslip.likelihoods.interval import Interval
 from stickslip.measured.case import Case
 from stickslip.measured.thinning import Thinned
 from stickslip.objects import Drawn, contents, reporter
@@ -38,15 +39,6 @@ class Verdict(Enum):
     no_effect = "no_effect"
     effect_found = "effect_found"
     unlisted_effect = "unlisted_effect"
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A number with its 95 % interval; a limit is None where the readings set none."""
-
-    value: float
-    low: float | None
-    high: float | None
 
 
 @dataclass(frozen=True)

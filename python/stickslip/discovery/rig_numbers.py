@@ -9,7 +9,8 @@ import numpy as np
 
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.uncertainty import numbers as every_number
-from stickslip.discovery.result import Curve, Interval
+from stickslip.discovery.result import Curve
+from stickslip.likelihoods.interval import Interval
 
 BEYOND = 3.0  # standard uncertainties within which a constant is as declared (the format of a case says so)
 NEARLY_TWICE = 0.1  # how near 2 a slope must be to be the coupling's

@@ -9,10 +9,10 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
-from stickslip.discovery.driven_slider.motion import DrivenRun
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import ForceTerm, Law
 from stickslip.discovery.result import Curve
+from stickslip.likelihoods.driven_slider.motion import DrivenRun
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.terms import ForceTerm, Law
 
 Floats = NDArray[np.float64]
 

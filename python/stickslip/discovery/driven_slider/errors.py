@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.fitted_motion import MotionFit
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.residual import BandedBalance
 from stickslip.discovery.result import ErrorBlock, RunError
-from stickslip.errors import StickslipError
-from stickslip.fitted.driven import missed_ahead
-from stickslip.measured.case import Case, Recording
+from stickslip.likelihoods.driven_slider.banded import BandedBalance
+from stickslip.likelihoods.driven_slider.fitted_motion import MotionFit
+from stickslip.likelihoods.driven_slider.held_out import NAN, floor_of_forecast, forecasts, share
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.measured.case import Case
 
-Floats = NDArray[np.float64]
-
-NAN = float("nan")
 METRIC = (
     "norm of the force that the model leaves unexplained over that of the drive, on the validate runs, within the"
     " band in which the drive explains the acceleration; friction at rest left free"
@@ -64,28 +59,3 @@ def error_block(
     whole = {k: share(float(np.linalg.norm(v)), total) for k, v in left.items()}
     noise = share(floor * float(np.sqrt(sum(validate.lengths))), total)
     return ErrorBlock(METRIC, whole["before"], whole["after"], noise, tuple(rows))
-
-
-def share(part: float, whole: float) -> float:
-    """A part of a whole; nan where there is no whole: no drive, or no motion."""
-    return part / whole if whole > 0 else NAN
-
-
-def forecasts(model: Model, run: Recording, ahead: float) -> float:
-    """Root mean square error of the position `ahead` seconds on [m]; nan of a model that cannot be simulated."""
-    try:
-        return float(np.sqrt(np.mean(missed_ahead(model, run, ahead) ** 2)))
-    except StickslipError:
-        return NAN
-
-
-def floor_of_forecast(fit: MotionFit, run: Recording, ahead: float) -> float:
-    """The same error that the process noise alone makes: drawn and integrated twice."""
-    step = float(np.median(np.diff(run.t)))
-    steps = round(ahead / step)
-    generator = np.random.default_rng(0)
-    ends = []
-    for _ in range(200):
-        _, d = fit.noise.drawn(steps, generator)
-        ends.append(np.sum(np.cumsum(d)) * step**2)
-    return float(np.sqrt(np.mean(np.square(ends))))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -11,25 +12,34 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import DRIVEN, AnyEffect, effect
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
-from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import percent, plainly
-from stickslip.discovery.driven_slider.errors import error_block, share
-from stickslip.discovery.driven_slider.feedback import Feedback, feedback
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass, MotionFit
-from stickslip.discovery.driven_slider.intervals import intervals
-from stickslip.discovery.driven_slider.motion import band, motion
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.residual import BandedBalance, describe, spectrum, views
+from stickslip.discovery.driven_slider.errors import error_block
+from stickslip.discovery.driven_slider.residual import describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
 from stickslip.discovery.driven_slider.search import DrivenSearch
-from stickslip.discovery.result import TIED, Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
+from stickslip.discovery.result import TIED, Alternative, Evidence, FoundEffect, Rival, Verdict
 from stickslip.discovery.result import Gate as FoundGate
 from stickslip.errors import InputError
-from stickslip.measured.case import Case, Recording
-from stickslip.measured.findings import FindingKind
+from stickslip.likelihoods.driven_slider.banded import BandedBalance
+from stickslip.likelihoods.driven_slider.feedback import feedback
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, MotionFit
+from stickslip.likelihoods.driven_slider.held_out import share
+from stickslip.likelihoods.driven_slider.intervals import intervals
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.prepared import (
+    balance,
+    check,
+    check_samples,
+    declared_mass,
+    fitted_model,
+    shown_band,
+)
+from stickslip.likelihoods.driven_slider.remarks import remarks
+from stickslip.likelihoods.interval import Interval
+from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
 
@@ -62,13 +72,15 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
     began = time.monotonic()
     rig = case.rig
     assert isinstance(rig, DrivenSlider)
-    _check(case)
-    first = max(case.train, key=len)
-    assert first.drive is not None
-    over = band(first.t, first.x1, first.drive, rig.mass)
-    declared = DeclaredMass(rig.mass, uncertainty(case))
-    search = DrivenSearch(balance(case.train, declared), tell, seed)
-    validate = balance(case.validate, declared)
+    check(case.friction, rig, (*case.train, *case.validate))
+    declared = declared_mass(rig, case.uncertainty)
+    with no_verdict():
+        check_samples((*case.train, *case.validate))
+        over = shown_band(case.train, rig)
+        trained = balance(case.train, declared)
+    search = DrivenSearch(trained, tell, seed)
+    with no_verdict():
+        validate = balance(case.validate, declared)
     validate.like(search.balance)
     chosen = carried(search, search.run(), validate)
     tell("weighing the evidence")
@@ -100,7 +112,7 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
         ),
         runs=(),
         spectrum=spectrum(search.balance, bare.white, chosen.white),
-        messages=remarks(search, chosen, feedback(search.balance, search.null)),
+        messages=_said(search, chosen),
         seconds=time.monotonic() - began,
         constants={"mass": own["mass"]},
         views=(
@@ -113,23 +125,13 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
     )
 
 
-def uncertainty(case: Case) -> float:
-    """Relative standard uncertainty of the mass as a motion shows it, in the units of the drive and of the way."""
-    known = case.uncertainty
-    gains = [known.gains.get(name, 0.0) for name in ("drive", "x1")]
-    return float(np.hypot(known.relative("mass"), np.linalg.norm(gains)))
-
-
-def balance(runs: Sequence[Recording], declared: DeclaredMass) -> Balance:
-    """The motion of some recordings."""
-    out = []
-    for run in runs:
-        assert run.drive is not None
-        out.append(motion(run.name, run.t, run.x1, run.drive, declared.mass))
-    if all(one.rest.all() for one in out):
-        words = "no sample is beyond doubt in motion; a force balance needs a slider that slides"
-        raise InputError(f"no verdict: {', '.join(one.name for one in out)}: {words}")
-    return Balance(out, declared)
+@contextmanager
+def no_verdict() -> Iterator[None]:
+    """Let what is wrong with a record say that there is no verdict of it."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"no verdict: {error.what}", key=error.key) from None
 
 
 def carried(search: DrivenSearch, chosen: MotionFit, validate: Balance) -> MotionFit:
@@ -160,18 +162,6 @@ def largest_gain(search: DrivenSearch) -> float:
     return max(joined or [search.gain(search.null, one) for one in search.joined(search.null)], default=0.0)
 
 
-def _check(case: Case) -> None:
-    if not isinstance(case.friction, CoulombFriction):
-        raise InputError("the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction")
-    for run in (*case.train, *case.validate):
-        if run.rig != case.rig:
-            words = "has another rig than the case; one model is fitted to all runs of a driven slider"
-            raise InputError(f"{run.name}: {words}", key="[[run]] rig")
-        for finding in run.findings:
-            if finding.kind in (FindingKind.GAP, FindingKind.IRREGULAR, FindingKind.SIZE):
-                raise InputError(f"no verdict: {run.name}: {finding}")
-
-
 def verdict(chosen: MotionFit) -> Verdict:
     """What the chosen fit amounts to."""
     if any(name.startswith("tabulated") for name in chosen.names):
@@ -180,22 +170,19 @@ def verdict(chosen: MotionFit) -> Verdict:
 
 
 def model(case: Case, fit: MotionFit, search: DrivenSearch | None = None) -> Model:
-    """The fitted balance as a model: friction at rest as great as at the lowest speed."""
-    law = fit.law
-    minus, plus = max(law.minus, 0.0), max(law.plus, 0.0)
-    friction = CoulombFriction(static=minus, kinetic=minus, static_plus=plus, kinetic_plus=plus)
-    assert isinstance(case.rig, DrivenSlider)
+    """The fitted balance as a model; with its effects where a search has found them."""
     curves = {one.name: one for one in search.curves} if search else {}
     effects: list[AnyEffect] = []
     for one, b in zip(fit.choices, fit.amplitudes, strict=True):
         if one.name in curves:
             effects.append(curves[one.name].effect(b))
         else:
-            effects.append(effect(one.name, **one.term.parameters(one.inside, b, law)))
-    own = case.model()
-    mass = case.rig.mass if "rig_mass" in fit.names else law.mass
-    rig = replace(case.rig, mass=mass, damping=max(law.damping, 0.0))
-    return replace(own, rig=rig, friction=friction, effects=tuple(effects))
+            effects.append(effect(one.name, **one.term.parameters(one.inside, b, fit.law)))
+    made = fitted_model(case.model(), fit)
+    assert isinstance(case.rig, DrivenSlider)
+    assert isinstance(made.rig, DrivenSlider)
+    rig = replace(made.rig, mass=case.rig.mass) if "rig_mass" in fit.names else made.rig
+    return replace(made, rig=rig, effects=tuple(effects))
 
 
 def _law(numbers: dict[str, Interval]) -> dict[str, Interval]:
@@ -343,25 +330,9 @@ def ranking(search: DrivenSearch, chosen: MotionFit) -> tuple[Rival, ...]:
     return tuple(out)
 
 
-def remarks(search: DrivenSearch, chosen: MotionFit, loop: Feedback) -> tuple[str, ...]:
+def _said(search: DrivenSearch, chosen: MotionFit) -> tuple[str, ...]:
     """What a person should know of the verdict."""
-    noise, mass = chosen.noise, chosen.law.mass
-    out = [
-        f"Noise: {noise.std * mass:.3g} N of force, {noise.reading:.3g} m of the readings.",
-    ]
-    if loop.closed:
-        out.append(
-            f"The drive answers to noise of the readings: {percent(loop.share)} of what is new in it goes with theirs. "
-            f"A force balance by least squares would give a mass of {loop.mass:.3g} kg; the fit is of each reading "
-            "from those before it, which that does not bias."
-        )
-    off = chosen.law.mass / search.balance.declared.mass - 1
-    known = search.balance.declared.uncertainty
-    if "rig_mass" not in chosen.names and abs(off) > known > 0:
-        out.append(
-            f"The mass is fitted {percent(abs(off))} from the declared one, "
-            f"{abs(off) / known:.2g} of its standard uncertainties."
-        )
+    out = remarks(search.balance, chosen, feedback(search.balance, search.null))
     if len(search.balance.runs) > 1:
-        out.append("a force periodic in time is sought with one phase over all training runs")
-    return tuple(out)
+        out = (*out, "a force periodic in time is sought with one phase over all training runs")
+    return out

@@ -10,25 +10,18 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import DRIVEN
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
-from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
-from stickslip.discovery.driven_slider.dictionary import Dictionary, mass_term, tried
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.result import Interval
+from stickslip.likelihoods.driven_slider import terms as tm
+from stickslip.likelihoods.driven_slider.dictionary import Dictionary, mass_term, tried
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, MotionFit
+from stickslip.likelihoods.driven_slider.gate import DrivenGate, drawn_gate
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.policy import POLICY
 from stickslip.progress import trying
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class DrivenGate:
-    """The largest gain of any candidate on noise drawn from the fitted null, and what the false ones seldom pass."""
-
-    threshold: float
-    draws: Floats
 
 
 @dataclass(frozen=True)
@@ -68,9 +61,8 @@ class DrivenSearch:
         self.null = self.balance.settle()
         self.dictionary = Dictionary(self.balance)
         self.tell("drawing the gate")
-        (first,) = self.dictionary.scores([self.null], self.balance.read_again(POLICY.draws, self.seed))
-        self._scored: list[tuple[MotionFit, Floats]] = [(self.null, first.gains)]
-        self.gate = DrivenGate(extreme(first.drawn, 1 - POLICY.false_alarm), first.drawn)
+        gains, self.gate = drawn_gate(self.dictionary, self.null, self.seed)
+        self._scored: list[tuple[MotionFit, Floats]] = [(self.null, gains)]
         self.curves = curves(self.balance.runs)
 
     def scores(self, fit: MotionFit) -> Floats:
@@ -245,12 +237,6 @@ def _term(name: str) -> tm.ForceTerm:
     return next(one for one in tm.terms() if one.name == name)
 
 
-def extreme(drawn: Floats, level: float) -> float:
-    """Quantile of largest values, from the Gumbel law with their mean and variance: they are few."""
-    scale = float(np.std(drawn)) * np.sqrt(6) / np.pi
-    return float(np.mean(drawn) + scale * (-np.log(-np.log(level)) - np.euler_gamma))
-
-
 def possible(fit: MotionFit) -> bool:
     """Whether every named effect of a fit has numbers within the bounds that the catalogue sets them."""
     numbers = fit.parameters()
@@ -261,4 +247,4 @@ def possible(fit: MotionFit) -> bool:
     )
 
 
-__all__ = ["Choice", "DrivenGate", "DrivenSearch", "DrivenStep"]
+__all__ = ["DrivenSearch", "DrivenStep"]

@@ -23,10 +23,11 @@ from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
-from stickslip.discovery.result import FoundEffect, Interval, Rival
+from stickslip.discovery.result import FoundEffect, Rival
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
 from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.interval import Interval
 
 Floats = NDArray[np.float64]
 

@@ -38,7 +38,6 @@ from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import (
     Found,
     FoundEffect,
-    Interval,
     Rival,
     RunView,
     Verdict,
@@ -51,6 +50,7 @@ from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.repeating import ENOUGH, lost, repeats, wild
 from stickslip.likelihoods.scaled import Scaled
 from stickslip.measured.case import Case

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.result import Interval, Z
+from stickslip.discovery.result import Z
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.likelihoods.declared_numbers import sizes
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.shared import Declared
 
 Floats = NDArray[np.float64]

@@ -32,7 +32,6 @@ from stickslip.discovery.result import (
     Experiment,
     FoundEffect,
     Gate,
-    Interval,
     Residual,
     Rival,
     Z,
@@ -41,6 +40,7 @@ from stickslip.discovery.rig_numbers import PLACES
 from stickslip.likelihoods.declared_numbers import fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.held_out import held_out
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.repeating import lost, repeats
 from stickslip.likelihoods.scatter_size import scatter as scatter_size
 from stickslip.likelihoods.scatter_size import shown

@@ -21,7 +21,7 @@ from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.rig import Scales
 from stickslip.declared.scaled_formula import in_scales
-from stickslip.discovery.result import Interval
+from stickslip.likelihoods.interval import Interval
 
 Floats = NDArray[np.float64]
 STRENGTH = "strength"  # of the whole effect, where it is proportional to none of its numbers

@@ -9,9 +9,10 @@ import numpy as np
 
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.outcome import intervals
-from stickslip.discovery.result import Interval, Z
+from stickslip.discovery.result import Z
 from stickslip.likelihoods.declared_numbers import BESIDE
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.interval import Interval
 
 
 def said_of_constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stickslip.discovery.result import Curve, FoundEffect, Interval
+from stickslip.discovery.result import Curve, FoundEffect
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.scaled import Scaled
 
 

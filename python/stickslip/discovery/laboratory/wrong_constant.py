@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.search import Searched
-from stickslip.discovery.result import TIED, Alternative, Evidence, Interval
+from stickslip.discovery.result import TIED, Alternative, Evidence
+from stickslip.likelihoods.interval import Interval
 
 NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line
 

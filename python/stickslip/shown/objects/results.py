@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 from stickslip.declared.scale import law_scale, scales
 from stickslip.declared.si import si_of
 from stickslip.discovery.driven_slider.result import DrivenFound
-from stickslip.discovery.result import Found, Interval, RunView
+from stickslip.discovery.result import Found, RunView
 from stickslip.fitted.compare import Comparison, per_model, speed_unit
 from stickslip.fitted.identified import Identified
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.driven_slider.figures import friction
 from stickslip.shown.objects.declared import characteristic
 from stickslip.shown.objects.description import Cell, Description, Span, describe

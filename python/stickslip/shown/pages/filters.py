@@ -7,7 +7,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from stickslip.discovery.result import Interval, Rival
+from stickslip.discovery.result import Rival
+from stickslip.likelihoods.interval import Interval
 from stickslip.shown.pages.interactive import Key
 from stickslip.shown.report import words
 

@@ -14,8 +14,9 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension, scales_of, si_of
 from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.plain import Json, plain
-from stickslip.discovery.result import Curve, Found, FoundEffect, Interval
+from stickslip.discovery.result import Curve, Found, FoundEffect
 from stickslip.discovery.rig_numbers import constant, declared
+from stickslip.likelihoods.interval import Interval
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
 from stickslip.shown.report.declared import declared as declared_numbers

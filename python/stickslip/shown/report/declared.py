@@ -9,8 +9,9 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import dimension, scales_of
 from stickslip.declared.units import Channel
 from stickslip.discovery.plain import Json, plain
-from stickslip.discovery.result import Found, Interval
+from stickslip.discovery.result import Found
 from stickslip.discovery.rig_numbers import constant
+from stickslip.likelihoods.interval import Interval
 from stickslip.measured.case import Case
 from stickslip.shown.report.places import unit_of
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from stickslip.discovery.plain import Json, plain
-from stickslip.discovery.result import Found, Interval
+from stickslip.discovery.result import Found
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.policy import POLICY
 
 KINDS = ("static", "kinetic", "belt")

@@ -20,11 +20,11 @@ from stickslip.discovery.result import (
     Alternative,
     Found,
     FoundEffect,
-    Interval,
     Part,
     Residual,
     Verdict,
 )
+from stickslip.likelihoods.interval import Interval
 from stickslip.likelihoods.policy import POLICY
 from stickslip.shown.report.units import Axes, Axis
 

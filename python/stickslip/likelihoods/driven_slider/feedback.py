@@ -8,9 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import MotionFit
-from stickslip.discovery.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import MotionFit
+from stickslip.likelihoods.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
 

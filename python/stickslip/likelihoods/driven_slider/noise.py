@@ -28,7 +28,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES
-from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import ForceTerm, Law
+from stickslip.likelihoods.driven_slider import terms as tm
+from stickslip.likelihoods.driven_slider.fit import Balance
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, MotionFit
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.terms import ForceTerm, Law
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.noise import Noise
-from stickslip.discovery.driven_slider.terms import ForceTerm, Law
+from stickslip.likelihoods.driven_slider.noise import Noise
+from stickslip.likelihoods.driven_slider.terms import ForceTerm, Law
 
 Floats = NDArray[np.float64]
 

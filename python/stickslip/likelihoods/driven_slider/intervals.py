@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import STEP, Balance, lengths
-from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.result import Interval
+from stickslip.likelihoods.driven_slider import terms as tm
+from stickslip.likelihoods.driven_slider.fit import STEP, Balance, lengths
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, MotionFit
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.interval import Interval
 
 Floats = NDArray[np.float64]
 

@@ -14,11 +14,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass, MotionFit
-from stickslip.discovery.driven_slider.motion import DrivenRun, moved, rounded, spread
-from stickslip.discovery.driven_slider.noise import POLES, Noise, Rows, Sampling, Whitener, fitted
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import ForceTerm, Law
+from stickslip.likelihoods.driven_slider.fitted_motion import Choice, DeclaredMass, MotionFit
+from stickslip.likelihoods.driven_slider.motion import DrivenRun, moved, rounded, spread
+from stickslip.likelihoods.driven_slider.noise import POLES, Noise, Rows, Sampling, Whitener, fitted
+from stickslip.likelihoods.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.terms import ForceTerm, Law
 from stickslip.likelihoods.policy import POLICY
 
 Floats = NDArray[np.float64]

@@ -10,15 +10,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.noise import (
+from stickslip.errors import InputError
+from stickslip.likelihoods.driven_slider.noise import (
     Noise,
     Rows,
     Sampling,
     Whitener,
     fitted,
 )
-from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.errors import InputError
+from stickslip.likelihoods.driven_slider.policy import STEER
 from stickslip.measured.signals import quantisation
 
 Floats = NDArray[np.float64]
@@ -75,9 +75,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     a = mass * np.diff(x, 2) / dt**2
     for what, values in (("the drive", force), ("the acceleration", a)):
         if np.ptp(values) == 0:
-            raise InputError(
-                f"no verdict: {what} never changes; a force balance needs a drive that moves the slider"
-            )
+            raise InputError(f"{what} never changes; a force balance needs a drive that moves the slider")
     size = int(min(1024, max(64, len(a) // 16)))
     f, c = scipy.signal.coherence(force[1:-1], a, fs=1 / dt, nperseg=size)
     c = scipy.ndimage.median_filter(c, size=5)

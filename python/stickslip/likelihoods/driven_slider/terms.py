@@ -15,8 +15,8 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
-from stickslip.discovery.driven_slider.motion import DrivenRun, instant
-from stickslip.discovery.driven_slider.policy import STEER
+from stickslip.likelihoods.driven_slider.motion import DrivenRun, instant
+from stickslip.likelihoods.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
 
