@@ -129,8 +129,10 @@ def test_effects_of_other_rigs_are_refused_and_the_other_way_round() -> None:
 
 def test_what_needs_a_belt_says_so(folder: Path) -> None:
     case = ss.load_case(folder)
-    with pytest.raises(InputError, match="neither belt nor spring"):
-        ss.identify(case)
+    with pytest.raises(InputError, match="belt_speed: is for a named rig; leave it out for a driven slider"):
+        ss.identify(case, belt_speed="plateau")
+    with pytest.raises(InputError, match="neither belt nor spring; `stickslip identify` fits its law"):
+        ss.limit_cycle(case.model(), belt_speed=0.1)
     with pytest.raises(InputError, match="drive: missing: the force on the slider"):
         ss.forecast(case.model(), case.train[0], horizon=1.0)
     with pytest.raises(InputError, match="a driven slider has neither belt nor spring"):

@@ -395,6 +395,6 @@ def on_belt(rig: AnyRig) -> Rig | BlockOnBelt:
     if isinstance(rig, GeneralRig):
         raise only_simulated(rig)
     if isinstance(rig, DrivenSlider):
-        words = "a driven slider has neither belt nor spring; `stickslip discover` fits its law"
+        words = "a driven slider has neither belt nor spring; `stickslip identify` fits its law"
         raise InputError(words, key="rig")
     return rig

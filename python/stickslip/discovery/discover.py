@@ -26,11 +26,10 @@ from stickslip.likelihoods.threads import side_by_side
 from stickslip.measured.case import Case
 from stickslip.measured.memory_case import Columns, case_in_memory, with_candidates
 from stickslip.measured.recording import Recording
-from stickslip.measured.thinning import sentences, thinned_case
+from stickslip.measured.thinning import MOST_SEARCHED, sentences, thinned_case
 
 __all__ = ["Found", "Verdict", "discover"]
 
-MOST_SAMPLES = 40_000  # of the train runs, and of the others; more are thinned
 MOST_CORES = 8  # what a search can keep busy
 
 
@@ -141,7 +140,7 @@ def _discover_case(
     runs = (*case.train, *case.validate)  # a case without them is refused before anything is said
     tell("looking at the readings")
     copied = copied_words(runs) if isinstance(case.rig, Rig) else ()
-    thin, less = thinned_case(case, MOST_SAMPLES)
+    thin, less = thinned_case(case, MOST_SEARCHED)
     found = _searched(thin, copied, tell, threads, seed)
     return replace(found, case=case, thinned=less, messages=(*sentences(less), *found.messages))
 

@@ -13,6 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits
 from stickslip.declared.units import Channel
+from stickslip.errors import InputError
 from stickslip.fitted.constant import Constant
 from stickslip.fitted.saved_result import SavedResult
 from stickslip.fitted.shooting import FARTHEST
@@ -286,11 +287,17 @@ class Identified(SavedResult):
 
     def _slope(self, name: str, sign: float, u: Array) -> Array:
         centre = float(self.estimates[name].value)
-        h = 1e-5 * max(abs(centre), 0.01)
-        at = sign * np.maximum(u, 1e-12)
-        up = self.model.replace(**{name: centre + h}).friction.magnitude(at)
-        down = self.model.replace(**{name: centre - h}).friction.magnitude(at)
-        return np.asarray((up - down) / (2 * h), dtype=float)
+        h = 1e-5 * (abs(centre) or 0.01)
+
+        def magnitude(value: float) -> Array:
+            return self.model.replace(**{name: value}).friction.magnitude(sign * np.maximum(u, 1e-12))
+
+        above = h
+        try:
+            up = magnitude(centre + h)
+        except InputError:  # friction in motion that is as great as the static limit
+            up, above = magnitude(centre), 0.0
+        return np.asarray((up - magnitude(centre - h)) / (above + h), dtype=float)
 
     def table(self) -> list[dict[str, str]]:
         """The estimates as they are printed: a dictionary of cells for each number, by the head of its column.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.arguments import explained, must_be
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.rig import AnyRig
+from stickslip.declared.rig import AnyRig, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted import identify as named
@@ -15,6 +15,7 @@ from stickslip.fitted.identify import Alone, BeltSpeed, Material, Progress
 from stickslip.fitted.shooting import Simulator
 from stickslip.likelihoods.bodies_identify import identify_bodies
 from stickslip.likelihoods.declared_numbers import known
+from stickslip.likelihoods.driven_slider.identify import identify_driven
 from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.likelihoods.one_thread import one_thread
 from stickslip.likelihoods.scattered import scattered
@@ -39,18 +40,19 @@ def identify(
     """Identify the friction law from recordings.
 
     Where friction differs from event to event, the law, the declared constants and the scatter are fitted together, by
-    their marginal likelihood; the law is that of the mean event, and its intervals know of the scatter.
+    their marginal likelihood; the law is that of the mean event, and its intervals know of the scatter. Of a driven
+    slider friction, damping and mass are fitted together, in coloured noise of the force.
 
     Parameters
     ----------
     source : Case, Recording or sequence of Recording
         A case's "train" runs are used. Its [uncertainty] says how well the constants are known that are fitted beside
         the law where friction scatters; those of a `rig` given here are exact.
-    rig : of any kind but DrivenSlider, optional
-        Required unless `source` is a case.
+    rig : of any kind, optional
+        Required unless `source` is a case, or of a driven slider, whose recordings have theirs.
     friction : optional
         The law's form and the values to start from; the case's, or Table 1, if absent. For a rig of bodies or matrices
-        a law, or a table of laws by name.
+        a law, or a table of laws by name; of a driven slider Coulomb's.
     noise : mapping of str to float, optional
         Standard deviation of a reading per channel in the rig's units; the recording's, or estimated, if absent. A rig
         of bodies or matrices takes that of its recordings.
@@ -93,15 +95,13 @@ def identify(
     """
     if friction is not None:
         must_be("friction", friction, (FrictionLaw, Mapping), "like CoulombFriction(static=4, kinetic=2)")
-    own = general_rig(source, rig)
-    declared = (
-        known(source) if own is None and isinstance(source, Case) and rig in (None, source.rig) else None
-    )
+    own = own_rig(source, rig)
+    if not isinstance(own, GeneralRig | DrivenSlider):
+        declared = known(source) if isinstance(source, Case) and rig in (None, source.rig) else Declared()
 
-    def with_scatter(material: Material, tell: Progress, alone: Alone | None) -> Identified | None:
-        return scattered(material, declared or Declared(), tell, alone, asked=scatter is True)
+        def with_scatter(material: Material, tell: Progress, alone: Alone | None) -> Identified | None:
+            return scattered(material, declared, tell, alone, asked=scatter is True)
 
-    if own is None:
         return named.identify(
             source,
             rig=rig,
@@ -120,14 +120,19 @@ def identify(
         ("belt_speed", belt_speed, "set-point"),
     ):
         if given is not usual and given != usual:
-            raise InputError("is for a named rig; leave it out for a rig of bodies or matrices", key=key)
+            kind = "a driven slider" if isinstance(own, DrivenSlider) else "a rig of bodies or matrices"
+            raise InputError(f"is for a named rig; leave it out for {kind}", key=key)
     for one in [source] if isinstance(source, Case | Recording) else source:
         must_be("source", one, (Case, Recording), "load_case(path) gives a case")
+    if isinstance(own, DrivenSlider):
+        for one in () if isinstance(source, Case) else [source] if isinstance(source, Recording) else source:
+            must_be("source", one, Recording, "like case.train[0]; a case is given by itself")
+        return identify_driven(source, rig=rig, friction=friction, progress=progress)
     return identify_bodies(source, rig=own, friction=friction, progress=progress)
 
 
-def general_rig(source: object, rig: AnyRig | None) -> GeneralRig | None:
-    """Return the rig of bodies or matrices that readings are of; None where they are of another."""
+def own_rig(source: object, rig: AnyRig | None) -> AnyRig | None:
+    """Return the rig to identify: the given one, that of the readings, and always that of a driven slider's."""
     first = source[0] if isinstance(source, (list, tuple)) and source else source
-    own = first.rig if rig is None and isinstance(first, Case | Recording) else rig
-    return own if isinstance(own, GeneralRig) else None
+    own = first.rig if isinstance(first, Case | Recording) else None
+    return own if rig is None or isinstance(own, DrivenSlider) else rig

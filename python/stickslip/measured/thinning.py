@@ -28,6 +28,9 @@ Mask = NDArray[np.bool_]
 UNTOUCHED = 30_000  # samples of a run that a fit takes as they are: some 70 MB
 FEWEST = 60  # that are left of a run
 MOST = 200_000  # samples of all runs that are identified: half a gigabyte, half a minute
+MOST_SEARCHED = (
+    40_000  # of the train runs of a search, and of its others; of a driven slider that is identified, too
+)
 PER_RADIAN = 50  # samples of the natural frequency that are left: an effect five times as fast still has ten
 BIAS = 0.5  # of the mean's noise, that a bend may shift it: adds an eighth to chi-squared at the sharpest bend alone
 RARE = 0.999  # quantile of the bends that are seen: beyond are transitions, few and short

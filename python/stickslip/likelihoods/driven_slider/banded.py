@@ -49,20 +49,23 @@ class BandedBalance:
         """What a fit leaves of the force (n,): nothing is fitted here but friction while its sign is in doubt."""
         return self._left(fit.law.mass * self.balance.residual(fit))
 
-    def floor(self, fit: MotionFit) -> float:
-        """Root mean square of what the noise of a fit alone leaves [N]: drawn."""
+    def floor(self, fit: MotionFit, *, at_rest: bool = True) -> float:
+        """Root mean square of what the noise of a fit alone leaves [N]: drawn; `at_rest` with friction there free."""
         generator = np.random.default_rng(0)
         drawn = []
         for sampling, doubt in zip(self.balance.samplings, self.balance.doubts, strict=True):
             none = Whitener(fit.noise, sampling, 0.0 * doubt)
             drawn.append(none.coloured(generator.standard_normal((none.band.shape[1], POLICY.draws))))
-        left = self._left(fit.law.mass * np.concatenate(drawn))
+        left = (self._left if at_rest else self._within)(fit.law.mass * np.concatenate(drawn))
         return float(np.sqrt(np.mean(left**2)))
 
     def _left(self, residual: Floats) -> Floats:
-        parts = np.split(residual, np.cumsum(self.balance.lengths)[:-1])
-        y = np.concatenate([self.band(np.concatenate([one[:1], one, one[-1:]])) for one in parts])
+        y = self._within(residual)
         return np.asarray(y - self._free @ (self._free.T @ y), dtype=np.float64)
+
+    def _within(self, residual: Floats) -> Floats:
+        parts = np.split(residual, np.cumsum(self.balance.lengths)[:-1])
+        return np.concatenate([self.band(np.concatenate([one[:1], one, one[-1:]])) for one in parts])
 
 
 def basis(columns: Floats) -> Floats:

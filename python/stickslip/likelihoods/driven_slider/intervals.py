@@ -86,21 +86,37 @@ def derivatives(balance: Balance, fit: MotionFit) -> tuple[Floats, Floats, Float
     return X, np.column_stack(parts), np.array(steps)
 
 
-def _drawn(balance: Balance, fit: MotionFit, X: Floats, used: int) -> Floats:
-    """Draws (draws, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
+def law_covariance(balance: Balance, fit: MotionFit) -> Floats:
+    """Covariance (4, 4) of mass, damping and friction of either direction, to first order; 0 of what is held."""
+    balance.at(fit)
+    X, moved, _ = derivatives(balance, fit)
+    known = _known(balance, fit, np.column_stack([X, moved]))[: len(LAW), : len(LAW)]
+    mass = fit.law.mass
+    slopes = mass * np.eye(len(LAW))  # all but the first coefficient are numbers over the mass
+    slopes[:, 0] = [-mass * getattr(fit.law, own) for own in LAW.values()]
+    return np.asarray(slopes @ known @ slopes.T, dtype=np.float64)
 
-    A mass that is held stays; a shift is endless both ways where nothing moves.
-    """
+
+def _known(balance: Balance, fit: MotionFit, X: Floats) -> Floats:
+    """Covariance (k, k) of the numbers whose columns are `X`; what is left over widens it."""
     scale = lengths(X)
     q = np.linalg.pinv((X / scale).T @ (X / scale), rcond=1e-12, hermitian=True) / np.outer(scale, scale)
     if balance.held(fit.choices):
         own = X[:, 1:] / scale[1:]
         q = np.zeros_like(q)
         q[1:, 1:] = np.linalg.pinv(own.T @ own, rcond=1e-12, hermitian=True) / np.outer(scale[1:], scale[1:])
+    return np.asarray(q * max(fit.per_reading, 1.0), dtype=np.float64)
+
+
+def _drawn(balance: Balance, fit: MotionFit, X: Floats, used: int) -> Floats:
+    """Draws (draws, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
+
+    A mass that is held stays; a shift is endless both ways where nothing moves.
+    """
     best = np.concatenate([fit.coefficients, np.zeros(X.shape[1] - used)])
     generator = np.random.default_rng(0)
     # semidefinite but for rounding, whatever the sizes of its entries
-    spread = q * max(fit.per_reading, 1.0)
+    spread = _known(balance, fit, X)
     out = generator.multivariate_normal(
         best, spread, STEER.interval_draws, check_valid="ignore", method="eigh"
     )

@@ -24,6 +24,7 @@ from stickslip.measured.signals import quantisation
 Floats = NDArray[np.float64]
 
 HAMMING = 3.3  # taps of a Hamming window over the width of its edge
+FEWEST = 10  # samples over the highest order of the noise
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,8 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     The limit is the last frequency at which the coherence of drive and second difference of the position is above
     a half; beyond, the position's quantisation and noise hide the motion. Nothing is fitted in it.
     """
+    if len(x) < FEWEST * STEER.order:
+        raise InputError(f"{len(x)} samples are too few; {FEWEST * STEER.order} are needed at least", key="t")
     dt = float(np.median(np.diff(t)))
     a = mass * np.diff(x, 2) / dt**2
     for what, values in (("the drive", force), ("the acceleration", a)):
@@ -84,7 +87,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     limit = float(f[under[0]]) if under.size else float(f[-1])
     cutoff = float(np.clip(limit, low, 0.4 / dt))
     half = int(np.ceil(HAMMING / (STEER.edge * cutoff * dt) / 2))
-    if 6 * half > len(x) or len(x) < 10 * STEER.order:
+    if 6 * half > len(x):
         raise InputError(f"{len(x)} samples are too few for a band of {cutoff:.3g} Hz", key="t")
     taps = scipy.signal.firwin(2 * half + 1, cutoff, fs=1 / dt)
     return Band(cutoff, np.asarray(taps, dtype=np.float64), max(int(1 / (2.5 * cutoff * dt)), 1))

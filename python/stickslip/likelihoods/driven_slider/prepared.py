@@ -22,10 +22,16 @@ from stickslip.measured.recording import Recording
 SPOILT = (FindingKind.GAP, FindingKind.IRREGULAR, FindingKind.SIZE)  # findings that no fit can do with
 
 
-def check(law: FrictionLaw, rig: AnyRig, runs: Sequence[Recording]) -> None:
-    """Raise `InputError` for a law that is not Coulomb's, and for a run of another rig."""
+def coulomb(law: object) -> CoulombFriction:
+    """The law, if it is Coulomb's; or raise `InputError`."""
     if not isinstance(law, CoulombFriction):
         raise InputError("the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction")
+    return law
+
+
+def check(law: FrictionLaw, rig: AnyRig, runs: Sequence[Recording]) -> None:
+    """Raise `InputError` for a law that is not Coulomb's, and for a run of another rig."""
+    coulomb(law)
     for run in runs:
         if run.rig != rig:
             words = "has another rig than the case; one model is fitted to all runs of a driven slider"
