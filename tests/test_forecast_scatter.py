@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -35,7 +36,9 @@ def test_where_nothing_tells_of_the_events_to_come_it_is_said() -> None:
     past, *_ = halves(run, 330)
     with pytest.warns(ss.ModelWarning, match="the band is noise alone"):
         found = ss.forecast(PLAIN, past, belt_speed=0.12, horizon=2.0)
-    np.testing.assert_allclose(found.x1_high - found.x1_low, 2 * 1.96 * NOISE, rtol=1e-6)
+    np.testing.assert_allclose(
+        found.x1_high - found.x1_low, 2 * NormalDist().inv_cdf(0.975) * NOISE, rtol=1e-6
+    )
 
 
 @pytest.mark.parametrize(

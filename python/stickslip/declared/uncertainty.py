@@ -20,6 +20,7 @@ from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 
+SIGMAS_95 = 1.959963985  # standard deviations either side of a Gaussian's mean that hold 95 % of it
 MASS, STIFFNESS, DAMPING, GAIN, EXACT = 0.015, 0.015, 0.15, 0.005, 0.0
 # of what no one says anything of; a leg is a length, and so is the unit of length
 USUAL: Mapping[str, float] = {

@@ -27,7 +27,6 @@ Floats = NDArray[np.float64]
 AGAINST = 0.05  # chance of so little likelihood from which runs never fitted speak against what was found
 WORSE = 1.02  # error after over error before, on runs never fitted, from which it is said to rise
 SEEN = 4  # samples in stick, at least, of a block that sticks
-Z = 1.959963985  # standard deviations that hold 95 %
 TIED = 8.0  # difference in -2 log evidence below which two rivals are not told apart: odds of 55 to 1
 LEFT = 12.0  # way against the belt, over the noise, below which a block never slips
 SELDOM = 0.1  # and its share of slip

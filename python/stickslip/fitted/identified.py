@@ -12,6 +12,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
 from stickslip.fitted.constant import Constant
@@ -69,7 +70,7 @@ def stopped(value: float, start: float) -> int:
 
 def interval(value: float, std: float) -> tuple[float | None, float | None]:
     """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
-    half = 1.96 * std
+    half = SIGMAS_95 * std
     if value <= 0:
         return value - half, value + half
     if half / value >= np.log(FARTHEST**2):  # the whole of what is searched, and more

@@ -21,6 +21,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import plainly, to_digits
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.fitted.constant import Constant
 from stickslip.fitted.covered_speeds import covered_speeds
 from stickslip.fitted.identified import Identified, estimate
@@ -220,7 +221,7 @@ def _concluded(
     constants = {}
     for name in CONSTANTS:
         if name in rows:
-            value, half = values[name], 1.96 * rows[name][0]
+            value, half = values[name], SIGMAS_95 * rows[name][0]
             constants[name] = Constant(value, value - half, value + half, getattr(rig, name), None)
     covered = covered_speeds(fitted, shot.windows, simulator)
     # of a static limit that turning points bound that is said, wherever it is put

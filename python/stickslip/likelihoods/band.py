@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+SHOWN = 3  # windows, at least, that show how friction scatters
 MEMBERS = 200  # runs of an ensemble: its mean is then known to a fourteenth of its spread
 FRESH = 10  # draws of noise for each member: the quantiles of so few members alone are rough
 TAILS = (0.025, 0.975)  # of the band

@@ -14,6 +14,7 @@ from stickslip.declared.scale import percent
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.fitted.comparison_rows import GOOD, POOR, Row
+from stickslip.likelihoods.band import SHOWN
 from stickslip.likelihoods.bodies_ahead import free_run, one_ahead
 from stickslip.likelihoods.bodies_cuts import cuts, starts_of_slips
 from stickslip.likelihoods.bodies_windows import BodiesWindows
@@ -26,7 +27,6 @@ from stickslip.measured.recording import Recording
 from stickslip.objects import Drawn, one_line
 
 Floats = NDArray[np.float64]
-FEWEST = 3  # windows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,8 +141,8 @@ def compare_bodies(
     tell("reading the motion", 0.0)
     run = prepare_bodies(rig, [recording], model.friction)[0]
     cut = cuts([run])
-    if len(cut) < FEWEST:
-        raise InputError(f"{recording.name} holds {len(cut)} windows; {FEWEST} are needed")
+    if len(cut) < SHOWN:
+        raise InputError(f"{recording.name} holds {len(cut)} windows; {SHOWN} are needed")
     tell("fitting the starts of windows", 0.1)
     try:
         fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)

@@ -21,7 +21,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, StickslipError, number
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
-from stickslip.likelihoods.band import MEMBERS, band, standing
+from stickslip.likelihoods.band import MEMBERS, SHOWN, band, standing
 from stickslip.likelihoods.bodies_cuts import cuts, tail
 from stickslip.likelihoods.bodies_starts import resolved
 from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Floats = NDArray[np.float64]
-FEWEST = 3  # windows of a past that shows scatter
 AHEAD = 1.5  # natural periods that members are simulated at once
 MOST = 1_000_000  # samples of a forecast
 RESTARTS = 20_000  # of one member
@@ -136,9 +135,9 @@ def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -
     seed : of the draws
     """
     cut = cuts([run])
-    if len(cut) < FEWEST:
+    if len(cut) < SHOWN:
         raise InputError(
-            f"the past holds {len(cut)} windows; {FEWEST} are needed to see how friction scatters"
+            f"the past holds {len(cut)} windows; {SHOWN} are needed to see how friction scatters"
         )
     try:
         fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)

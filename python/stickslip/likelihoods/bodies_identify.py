@@ -15,7 +15,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.placed import CHANNEL
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
-from stickslip.declared.uncertainty import Uncertainty
+from stickslip.declared.uncertainty import SIGMAS_95, Uncertainty
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.constant import Constant
 from stickslip.fitted.identified import Estimate, Spread, Status, estimate
@@ -32,7 +32,6 @@ from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
 
 Floats = NDArray[np.float64]
-Z = 1.96  # standard deviations that hold 95 %
 NEARBY = 1e-3  # step of the slopes of the deviance by the logarithm of a scatter
 HARDLY, TOLD_ALREADY = 0.1, 0.99  # shares of the declared in what is known, as of an `Estimate`
 POOR = 0.5  # weight of a window below which the laws are no model of it
@@ -191,7 +190,7 @@ def _offsets(bench: BodiesBench, fit: Fit, known: Floats) -> dict[str, Estimate]
         status: Status = (
             "unidentified" if share >= TOLD_ALREADY else "weak" if share > HARDLY else "identified"
         )
-        out[name] = Estimate(value, value - Z * sd, value + Z * sd, sd, status, declared)
+        out[name] = Estimate(value, value - SIGMAS_95 * sd, value + SIGMAS_95 * sd, sd, status, declared)
     return out
 
 
@@ -206,7 +205,7 @@ def _constants(bench: BodiesBench, fit: Fit, covariance: Floats) -> dict[str, Co
         gain = one.name in bench.declared.gains
         declared = 1.0 if gain else bench.model.parameters[one.name]
         size = 1.0 + one.value(float(fit.at[i])) if gain else one.value(float(fit.at[i]))
-        low, high = sorted(declared * size * math.exp(s * Z * sd) for s in (-1, 1))
+        low, high = sorted(declared * size * math.exp(s * SIGMAS_95 * sd) for s in (-1, 1))
         known = math.sqrt(float(bench.declared.covariance[k, k]))
         out[one.name] = Constant(declared * size, low, high, declared, known)
     return out
@@ -217,7 +216,7 @@ def scatter(fit: Fit) -> dict[str, Spread]:
     covariance, out = _of_sizes(fit), {}
     for i, name in enumerate(fit.population.names):
         sd, value = math.sqrt(float(covariance[i, i])), fit.population.sizes[i]
-        out[name] = Spread(value, value * math.exp(-Z * sd), value * math.exp(Z * sd))
+        out[name] = Spread(value, value * math.exp(-SIGMAS_95 * sd), value * math.exp(SIGMAS_95 * sd))
     return out
 
 

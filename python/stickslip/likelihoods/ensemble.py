@@ -17,7 +17,7 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.scatter import EventScatter
 from stickslip.fitted.data import Data
-from stickslip.likelihoods.band import MEMBERS, band, standing
+from stickslip.likelihoods.band import MEMBERS, SHOWN, band, standing
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
@@ -34,7 +34,6 @@ from stickslip.likelihoods.symmetric_root import symmetric_root
 Floats = NDArray[np.float64]
 AGES = "static_aging"
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
-FEWEST = 3  # windows of a past that shows scatter
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ def distribution(
     """
     cut = [one for one in stretches([run]) if one.stuck]  # where it next sticks is known
     known = model.scatter if len(cut) < POLICY.fewest_windows else None  # so few do not tell it
-    if len(cut) < (FEWEST if known is None else 1) or not _has_windows(model):
+    if len(cut) < (SHOWN if known is None else 1) or not _has_windows(model):
         return None
     try:
         fit = _fitted(begin(BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)), known)
@@ -153,7 +152,7 @@ def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[
 def _ahead(shared: Common, rng: np.random.Generator) -> Floats | None:
     """By how much x1 is ahead of the model over an event, of each member."""
     n = len(shared.ahead)
-    if n < FEWEST:
+    if n < SHOWN:
         return None
     doubt = float(np.std(shared.ahead, ddof=1)) / math.sqrt(n)
     return np.asarray(shared.ahead.mean() + doubt * rng.standard_t(n - 1, MEMBERS))

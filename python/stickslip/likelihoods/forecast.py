@@ -17,6 +17,7 @@ from stickslip.declared.rig import BlockOnBelt, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.errors import CallError, InputError, ModelWarning
 from stickslip.fitted.data import prepare
 from stickslip.fitted.driven import DrivenForecast, forecast_driven
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Floats = NDArray[np.float64]
-Z = 1.96  # standard deviations that hold 95 %
 NOISE_ALONE = (
     "the windows of the past do not tell how friction of the events to come differs: the band is noise alone"
 )
@@ -180,7 +180,7 @@ def _band(expected: Expected, found: Distribution | None) -> tuple[Floats, Float
     count = expected.readings.shape[1]
     if found is not None:
         return found.mean[:, :count], found.low[:, :count], found.high[:, :count]
-    half = Z * prepare([expected.past])[0].noise[:count]
+    half = SIGMAS_95 * prepare([expected.past])[0].noise[:count]
     return expected.readings, expected.readings - half, expected.readings + half
 
 

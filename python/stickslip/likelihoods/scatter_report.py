@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.fitted.constant import Constant
 from stickslip.fitted.identified import Branch, Estimate, Events, Identified, estimate
 from stickslip.fitted.identify import Material
@@ -29,7 +30,6 @@ from stickslip.likelihoods.shared import Declared
 from stickslip.simulated.states import X1, X2
 
 Floats = NDArray[np.float64]
-Z = 1.959963985
 KINDS: Mapping[type[object], Kind] = {kind: name for name, kind in MAKE.items()}
 
 
@@ -203,7 +203,7 @@ def _constants(fit: Fit, declared: Declared, size: Callable[[str], float]) -> di
     out = {}
     for name, uncertainty in zip(declared.names, known.tolist(), strict=True):
         i = place[name]
-        number, x, half = fit.windows.numbers[i], float(fit.at[i]), Z * float(wide[i])
+        number, x, half = fit.windows.numbers[i], float(fit.at[i]), SIGMAS_95 * float(wide[i])
         if name == BESIDE and BESIDE not in _belt(fit).fixed:
             out["omega"] = _omega(_belt(fit), x, half, uncertainty)
             continue

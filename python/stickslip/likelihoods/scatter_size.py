@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.fitted.identified import Scatter, Spread
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.correlated import likeness
@@ -13,8 +14,6 @@ from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.population import STATIC
 from stickslip.likelihoods.shown_levels import shown_levels
-
-Z = 1.959963985
 
 
 def scatter(fit: Fit, length: float) -> Scatter:
@@ -37,7 +36,7 @@ def scatter(fit: Fit, length: float) -> Scatter:
     def spread(value: float) -> Spread:
         return _spread(value, worth)
 
-    alike = Spread(found, max(found - Z * error, 0.0), min(found + Z * error, MOST))
+    alike = Spread(found, max(found - SIGMAS_95 * error, 0.0), min(found + SIGMAS_95 * error, MOST))
     way = None
     if alike.low > 0:
         windows = fit.windows
@@ -68,5 +67,5 @@ def shown(fit: Fit) -> dict[str, Spread]:
 
 def _spread(value: float, worth: float) -> Spread:
     """A standard deviation of so many independent numbers."""
-    factor = math.exp(Z / math.sqrt(2 * worth))
+    factor = math.exp(SIGMAS_95 / math.sqrt(2 * worth))
     return Spread(value, value / factor, value * factor)

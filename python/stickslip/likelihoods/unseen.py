@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import fitted
+from stickslip.likelihoods.fit import ALONE, fitted
 from stickslip.likelihoods.fit_state import Fit, begin
 from stickslip.likelihoods.held_out import Unseen, deviances
 from stickslip.likelihoods.shared import Declared
@@ -19,7 +19,6 @@ from stickslip.likelihoods.stretches import Stretch, stretches
 
 EXACT = 1e-6  # standard deviation of what is known
 PHASES = 12  # of a turn, tried for a phase that is another in every run
-ALONE = 15  # steps of each window alone
 
 
 def of_run(fit: Fit, run: Data, cut: Sequence[Stretch]) -> Fit | None:

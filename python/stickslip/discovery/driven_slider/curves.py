@@ -9,6 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.discovery.result import Curve
 from stickslip.likelihoods.driven_slider.motion import DrivenRun
 from stickslip.likelihoods.driven_slider.policy import STEER
@@ -67,7 +68,7 @@ class CurveTerm:
         """The curve with its 95 % band, for a report; `deviation` is that of every value at a knot."""
         x = np.linspace(self.knots[0], self.knots[-1], 121)
         value = self.spline(x) @ self.values(b)
-        spread = 1.96 * np.sqrt((self.spline(x) ** 2) @ deviation**2)
+        spread = SIGMAS_95 * np.sqrt((self.spline(x) ** 2) @ deviation**2)
         term = "force on the slider" if self.where == "block" else "friction factor minus 1"
         return Curve(
             self.where, self.variable, term, x, value, value - spread, value + spread, self.knots, None

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.discovery.driven_slider.result import ForceView
 from stickslip.discovery.result import Part, Residual
 from stickslip.likelihoods.driven_slider.banded import BandedBalance
@@ -26,8 +27,8 @@ def describe(balance: Balance, fit: MotionFit) -> Residual:
     sure = balance.sure
     centred = np.where(sure, w - np.mean(w[sure]), 0.0) if fit.count else w
     r = [float(centred[k:] @ centred[: len(w) - k]) for k in range(2 * STEER.order)]
-    whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(max(fit.count, 1)) / 1.96
-    parts, clean = _parts(balance, w), chi2 < 1 + 1.96 * error
+    whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(max(fit.count, 1)) / SIGMAS_95
+    parts, clean = _parts(balance, w), chi2 < 1 + SIGMAS_95 * error
     worst = max(parts, key=lambda one: one.chi2, default=None)
     where = f"most of it at {worst.what} {worst.name} ({worst.chi2:.3g})" if worst else ""
     if clean:

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names as names_of
 from stickslip.declared.formula.value import value as formula_value
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.discovery.general_rig.curve_kinds import CurveKind
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
 from stickslip.discovery.laboratory.outcome import evidence, numbers_of
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.result import Alternative, Curve, FoundEffect, Z
+from stickslip.discovery.result import Alternative, Curve, FoundEffect
 from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
@@ -119,7 +120,9 @@ def _curve(one: FoundEffect, kind: CurveKind, terms: Sequence[Term], fit: Fit) -
     middle = whole(fit.at)
     steps = [NEARBY * max(abs(float(fit.at[i])), NEARBY) * np.eye(len(fit.at))[i] for i in at]
     slopes = np.array([(whole(fit.at + h) - whole(fit.at - h)) / (2 * h.sum()) for h in steps])
-    error = Z * np.sqrt(np.einsum("kn,kl,ln->n", slopes, fit.solution.covariance[np.ix_(at, at)], slopes))
+    error = SIGMAS_95 * np.sqrt(
+        np.einsum("kn,kl,ln->n", slopes, fit.solution.covariance[np.ix_(at, at)], slopes)
+    )
     curve = Curve(kind.where, kind.variable, kind.term, x, middle, middle - error, middle + error, x, None)
     words = f"{kind.term}: a curve in {kind.variable}"
     if not alone:

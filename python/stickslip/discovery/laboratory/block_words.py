@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from stickslip.declared.effect import CONSTANTS
-from stickslip.discovery.result import Alternative, Experiment, FoundEffect, Z
+from stickslip.declared.uncertainty import SIGMAS_95
+from stickslip.discovery.result import Alternative, Experiment, FoundEffect
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.fitted.block_events.table import MeasuredBlock
 from stickslip.measured.case import Case
@@ -36,7 +37,7 @@ def ridden(case: Case, runs: Sequence[MeasuredBlock], effects: Sequence[FoundEff
     if ratio <= 0 or abs(math.log(ratio)) < BEYOND * math.hypot(error / ratio, known):
         return ()
     who = f"the gain of {channel}, the spring's stiffness" if force else f"the gain of {channel}"
-    size = f"{ratio:.3g} +- {Z * error:.1g} times"
+    size = f"{ratio:.3g} +- {SIGMAS_95 * error:.1g} times"
     load = "weight" if force else "length"
     return (
         f"in sticks {channel} rises {size} as fast as declared ({len(rates)} sticks): {who} or the speed of the pull "

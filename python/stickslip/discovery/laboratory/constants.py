@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.uncertainty import Uncertainty
+from stickslip.declared.uncertainty import SIGMAS_95, Uncertainty
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.result import Z
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.likelihoods.declared_numbers import sizes
 from stickslip.likelihoods.fit_state import Fit
@@ -60,12 +59,12 @@ class Freed:
     @property
     def beyond(self) -> bool:
         """Whether the whole 95 % interval lies beyond three standard uncertainties."""
-        return self.gain > 0 and self.far - Z * self.sd / self.known > BEYOND
+        return self.gain > 0 and self.far - SIGMAS_95 * self.sd / self.known > BEYOND
 
     def interval(self, value: float = 1.0) -> Interval:
         """Return the constant with its 95 % interval, from its declared value."""
         at = math.log1p(self.off)
-        return Interval(*(value * math.exp(at + k * Z * self.sd) for k in (0, -1, 1)))
+        return Interval(*(value * math.exp(at + k * SIGMAS_95 * self.sd) for k in (0, -1, 1)))
 
 
 def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curve_words import guess
@@ -34,7 +35,6 @@ from stickslip.discovery.result import (
     Gate,
     Residual,
     Rival,
-    Z,
 )
 from stickslip.discovery.rig_numbers import PLACES
 from stickslip.likelihoods.declared_numbers import fitted_model
@@ -66,7 +66,7 @@ def intervals(fit: Fit) -> dict[str, Interval]:
         if n.run is not None or n.name in out:
             continue
         variance, value = max(float(fit.solution.covariance[i, i]), 0.0), n.value(float(x))
-        half = Z * math.sqrt(variance)
+        half = SIGMAS_95 * math.sqrt(variance)
         if n.name in laws and variance * precision[i, i] > UNKNOWN:
             out[n.name] = Interval(value, None, None)
             continue
@@ -264,10 +264,10 @@ def unlisted(found: Searched, curve: ScoredCurve, told: Trial) -> FoundEffect:
         term,
         x,
         value,
-        value - Z * std,
-        value + Z * std,
+        value - SIGMAS_95 * std,
+        value + SIGMAS_95 * std,
         curve.x,
-        None if curve.period else guess(curve.x, curve.value, Z * curve.std, curve.variable),
+        None if curve.period else guess(curve.x, curve.value, SIGMAS_95 * curve.std, curve.variable),
         curve.period,
     )
     return FoundEffect(

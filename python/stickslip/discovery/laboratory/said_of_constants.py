@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.outcome import intervals
-from stickslip.discovery.result import Z
 from stickslip.likelihoods.declared_numbers import BESIDE
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.interval import Interval
@@ -48,7 +48,7 @@ def _less(fit: Fit, first: str, second: str) -> Interval | None:
     for name, sign in ((first, 1.0), (second, -1.0)):
         along[places[name]] = sign * numbers[places[name]].slope(float(fit.at[places[name]]))
     value = fit.values()[first] - fit.values()[second]
-    half = Z * math.sqrt(float(along @ fit.solution.covariance @ along))
+    half = SIGMAS_95 * math.sqrt(float(along @ fit.solution.covariance @ along))
     return Interval(value, value - half, value + half)
 
 
@@ -63,7 +63,10 @@ def _springs(bench: Bench, fit: Fit, found: Mapping[str, Interval]) -> dict[str,
     along[places[BESIDE]] = 1.0
     if "alpha1" in places:  # in its logarithm
         along[places["alpha1"]] = mass
-    stiff, half = mass + found[BESIDE].value, Z * math.sqrt(float(along @ fit.solution.covariance @ along))
+    stiff, half = (
+        mass + found[BESIDE].value,
+        SIGMAS_95 * math.sqrt(float(along @ fit.solution.covariance @ along)),
+    )
     return {
         "inertia": found.get("alpha1", Interval(mass, mass, mass)),
         "stiffness": Interval(stiff, stiff - half, stiff + half),

@@ -15,15 +15,15 @@ from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.fit import ALONE
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.single_windows import settled
 from stickslip.likelihoods.stretches import stretches
+from stickslip.likelihoods.unseen import PHASES
 
 Floats = NDArray[np.float64]
-PHASES = 12  # of a turn, tried for a phase that is another in every run
-TURNS = 15  # of each event alone
 LATE = (0.0, 0.05, -0.05)  # static levels that an event is fitted from
 
 
@@ -83,7 +83,7 @@ def _settled(bench: BeltBench, trial: Trial, population: Population, phase: floa
     shown = shown_levels(windows, at)
     for own in starts if shown is None else [*starts, shown]:
         start = Fit(windows, at, own, population, np.ones(windows.channels), np.full(count, np.inf))
-        _, chi, cost = settled(start, TURNS)
+        _, chi, cost = settled(start, ALONE)
         better = cost < best[1]
         best = np.where(better, chi, best[0]), np.where(better, cost, best[1])
     return best

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
+from stickslip.declared.uncertainty import SIGMAS_95
 from stickslip.shown.objects.description import Cell, Description, ShownSamples, Span, describe
 from stickslip.shown.objects.runs import read_in
 from stickslip.shown.plot.branch import plot_branch
@@ -18,7 +19,6 @@ from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum
 from stickslip.simulated.orbits.steady_sliding import SteadySliding
 
 Row = tuple[Cell, ...]
-Z = 1.96  # standard errors that hold 95 %
 
 
 def _complex(value: complex) -> str:
@@ -117,7 +117,7 @@ def _sensitivity(one: CycleSensitivity) -> Description:
 def _exponents(one: LyapunovSpectrum) -> Description:
     rows: list[Row] = []
     for k, (value, error) in enumerate(zip(one.exponents, one.standard_error, strict=True), 1):
-        half = Z * float(error)
+        half = SIGMAS_95 * float(error)
         span = Span(float(value) - half, float(value) + half) if math.isfinite(half) else Span(None, None)
         rows.append((f"exponent {k}", float(value), span))
 
