@@ -22,6 +22,7 @@ from stickslip.simulated.trajectory import Trajectory
 Floats = NDArray[np.float64]
 PAST = 24  # samples before an instant from which the state there is taken
 TURNS = 6  # of the fit of that state
+STAYS = 1e-6  # weight beside a reading of where that fit begins
 STARTS = 40  # forecasts within the past whose errors say how far off one may be
 FEWEST = 6  # of these
 GROWS = 1.5  # power of time by which a doubt of the force grows, integrated twice, beyond what the past shows
@@ -167,10 +168,12 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
     first = min(starts, key=lambda one: float(missed(one) @ missed(one)))
     if len(run(*first.tolist()).t) < len(t):
         raise StickslipError(f"the model's run {run(*first.tolist()).status}")
+    # what no reading tells, as the speed of a slider at rest, stays where it is
+    stays = np.diag([STAYS / unit, STAYS * (t[-1] - t[0]) / unit])
     found = scipy.optimize.least_squares(
-        missed,
+        lambda start: np.concatenate([missed(start), stays @ (start - first)]),
         first,
-        jac=slopes,
+        jac=lambda start: np.concatenate([slopes(start), stays]),
         x_scale="jac",
         max_nfev=TURNS,
     )
