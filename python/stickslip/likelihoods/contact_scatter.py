@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,6 +20,8 @@ Floats = NDArray[np.float64]
 KINETIC, STATIC = "own_kinetic_", "own_static_"  # of a contact by its place: numbers that no law has
 OWN = {"kinetic": KINETIC, "static": STATIC}
 AT_REST = {"u": 0.0, "t": 0.0, "dwell": 0.0}
+AT_SLOW = {"u": Number(0.0)}
+FAST, NONE = 1e12, 1e-6  # a slip beyond any, in whatever unit, and the share of a force that is none
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,8 @@ def scattering(law: LawForm, place: int) -> LawForm:
     """
     Return a law that each window has its own of: 1 + own_kinetic times as large, the limit 1 + own_static times more.
 
-    Where sliding begins at the static limit (`stribeck`), both have one number, and that is what differs.
+    Where sliding begins at the static limit (`stribeck`, `hyperbolic`), friction of slow sliding goes with it. A limit
+    below the friction that sliding begins with lets go with that: a contact would stick again at once, without end.
 
     Parameters
     ----------
@@ -105,16 +109,30 @@ def scattering(law: LawForm, place: int) -> LawForm:
         if one.force is not None:
             return BranchForm(force=times(level, one.force), rates=one.rates)
         assert one.kinetic is not None
-        limit, slides = one.static or one.kinetic, one.kinetic
-        if (
-            isinstance(limit, Name)
-            and float(value(slides, {**law.numbers, **AT_REST})) == law.numbers[limit.name]
-        ):
-            slides = substituted(slides, {limit.name: times(more, limit)})
-        return BranchForm(times(level, slides), times(level, times(more, limit)), rates=one.rates)
+        slides, begins = one.kinetic, substituted(one.kinetic, AT_SLOW)
+        limit = one.static or begins
+        if (peak := _of_slow_sliding(law, slides, limit)) is not None:
+            slides = substituted(slides, {peak: Apply("add", (Name(peak), times(Name(static), begins)))})
+        holds = Apply("max", (times(more, limit), substituted(slides, AT_SLOW)))
+        return BranchForm(times(level, slides), times(level, holds), rates=one.rates)
 
     numbers = {**law.numbers, kinetic: 0.0, static: 0.0}
     return LawForm(branch(law.minus), branch(law.plus), numbers, law.states)
+
+
+def _of_slow_sliding(law: LawForm, slides: Tree, limit: Tree) -> str | None:
+    """The number that is added to friction of slow sliding, and to none of fast; None if the limit is another."""
+
+    def force(u: float, name: str, more: float) -> float:
+        with np.errstate(all="ignore"):
+            return float(value(slides, {**law.numbers, **AT_REST, "u": u, name: law.numbers[name] + more}))
+
+    holds = float(value(limit, {**law.numbers, **AT_REST}))
+    for name in law.numbers:
+        slow, fast = (force(u, name, holds) - force(u, name, 0.0) for u in (0.0, FAST))
+        if force(0.0, name, 0.0) == holds and math.isclose(slow, holds) and abs(fast) < NONE * holds:
+            return name
+    return None
 
 
 def kinds(law: LawForm) -> tuple[str, ...]:
