@@ -74,6 +74,8 @@ def most_likely_motion(
     right = (weight**2 * values) @ rows
     normal[1:] += np.einsum("kri,krj->kij", steps, steps)
     normal[:-1] += np.einsum("kri,krj->kij", before, before)
+    free = scipy.linalg.null_space(rows[:, :n])  # where nothing is read and no spring pulls: from 0 on
+    normal[0, :n, :n] += normal[0].diagonal()[:n].max() * free @ free.T
     across = np.einsum("kri,krj->kij", steps, before)  # rows of a sample, columns of the one before
     root = scipy.linalg.cholesky_banded(_banded(normal, across), lower=True)
     x = scipy.linalg.cho_solve_banded((root, True), right.ravel()).reshape(len(t), 3 * n) * units

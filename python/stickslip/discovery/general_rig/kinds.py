@@ -79,8 +79,10 @@ class Sizes:
         return max(largest(run.q @ row + of_drive * self.driven(run) - rest) for run in self.data)
 
     def coordinate(self, i: int) -> Units:
-        """Of a coordinate, by its speed and the force of all springs on it."""
+        """Of a coordinate, by its speed and the force of all springs on it; without any, that of friction."""
         own, force = self.own, 0.0
+        if not own.K[i].any():
+            return self._units(self.speed(i) / self.omega, self.friction())
         for run in self.data:
             pulled = own.drive_stiffness[i] * self.driven(run) + own.force[i]
             force = max(force, largest(run.q @ own.K[i] - pulled))
