@@ -170,10 +170,14 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
         raise StickslipError(f"the model's run {run(*first.tolist()).status}")
     # what no reading tells, as the speed of a slider at rest, stays where it is
     stays = np.diag([STAYS / unit, STAYS * (t[-1] - t[0]) / unit])
+
+    def off(start: Floats) -> Floats:
+        return np.concatenate([missed(start), stays @ (start - first)])
+
     found = scipy.optimize.least_squares(
-        lambda start: np.concatenate([missed(start), stays @ (start - first)]),
+        off,
         first,
-        jac=lambda start: np.concatenate([slopes(start), stays]),
+        jac=lambda start: np.concatenate([slopes(start), stays]),  # type: ignore[misc]
         x_scale="jac",
         max_nfev=TURNS,
     )
