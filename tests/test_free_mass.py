@@ -34,7 +34,8 @@ def recorded(seed: int) -> tuple[ss.Recording, ss.Trajectory]:
     )
     rng = np.random.default_rng(seed)
     a, v_b = (
-        one + size * rng.normal(size=len(t)) for one, size in ((made.state[:, 0], 1e-4), (made.state[:, 3], 1e-3))
+        one + size * rng.normal(size=len(t))
+        for one, size in ((made.state[:, 0], 1e-4), (made.state[:, 3], 1e-3))
     )
     return ss.load_recording({"t": t, "a": a, "v_b": v_b}, RIG, belt_speed=SPEED), made
 

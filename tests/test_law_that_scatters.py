@@ -81,4 +81,6 @@ def test_a_hyperbolic_law_is_identified_under_scatter() -> None:
     assert found.reduced_chi2 == pytest.approx(1.0, abs=0.1)
     law = found.model.friction
     u = np.array([0.0, 0.02, 0.05, 0.1])
-    assert law.magnitude(u) == pytest.approx(1.0 + 2.0 / (1 + 8.0 * u), rel=0.03)  # 60 events that scatter by 2 %
+    assert law.magnitude(u) == pytest.approx(
+        1.0 + 2.0 / (1 + 8.0 * u), rel=0.03
+    )  # 60 events that scatter by 2 %

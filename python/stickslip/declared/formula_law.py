@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,11 +12,13 @@ import scipy
 
 from stickslip.declared.dimensions import Dimension
 from stickslip.declared.formula.parse import parse
-from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.tree import Apply, Name, Number, Operation, Tree, substituted
 from stickslip.declared.formula.value import Value, value
 from stickslip.declared.friction_law import Direction, Floats, FrictionLaw, LawBranch
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
 from stickslip.errors import InputError
+
+NO_RISE = 1e-150  # square of a slope that is none: its own square is a number still
 
 
 @dataclass(frozen=True, repr=False)
@@ -159,22 +162,69 @@ def _slope(rate: Tree, of: Mapping[str, Value], names: Sequence[str], at: Floats
     return float(np.imag(value(rate, {**of, **states})) / h)
 
 
-def piecewise_cubic(
-    name: str, knots: Sequence[float], start: float, parts: Sequence[Sequence[float]]
-) -> Tree:
-    """Return the tree of a curve that is a cubic between knots and constant outside.
+def _of(operation: Operation, *operands: Tree | float) -> Tree:
+    return Apply(
+        operation, tuple(Number(float(one)) if isinstance(one, int | float) else one for one in operands)
+    )
 
-    Each part adds what the curve does between two knots, of a distance clamped to its width: nothing cancels.
+
+def monotone_cubic(name: str, knots: Sequence[float], values: Sequence[Tree]) -> Tree:
+    """Return the tree of the curve of Fritsch and Butland (1984) through points, constant outside, without new humps.
+
+    Its slopes are those of `scipy.interpolate.PchipInterpolator`, as formulas of the values: the values may be numbers
+    of a law, of which there are derivatives.
     """
-    terms: list[Tree] = [Number(float(start))]
+    h = [float(b - a) for a, b in itertools.pairwise(knots)]
+    rises = [
+        _of("divide", _of("subtract", b, a), w)
+        for (a, b), w in zip(itertools.pairwise(values), h, strict=True)
+    ]
+    inner = [_between(*one) for one in zip(h[:-1], h[1:], rises[:-1], rises[1:], strict=True)]
+    if len(h) > 1:
+        first, last = _at_end(h[0], h[1], rises[0], rises[1]), _at_end(h[-1], h[-2], rises[-1], rises[-2])
+    else:
+        first = last = rises[0]
+    slopes, parts = [first, *inner, last], []
+    for (d, e), m, w in zip(itertools.pairwise(slopes), rises, h, strict=True):
+        cubic = _of("divide", _of("subtract", _of("add", d, e), _of("multiply", 2, m)), w * w)
+        square = _of(
+            "divide", _of("subtract", _of("multiply", 3, m), _of("add", _of("multiply", 2, d), e)), w
+        )
+        parts.append((cubic, square, d))
+    return _piecewise(name, knots, values[0], parts)
+
+
+def _between(h: float, w: float, m: Tree, n: Tree) -> Tree:
+    """The slope between two rises: their weighted harmonic mean, 0 where they differ in sign."""
+    one, two = 2 * w + h, w + 2 * h
+    both = _of("max", _of("multiply", m, n), 0)
+    weighted = _of("add", _of("multiply", one, n), _of("multiply", two, m))
+    # 0 over 0 where both rises are 0
+    beside = _of("divide", weighted, _of("add", _of("multiply", weighted, weighted), NO_RISE))
+    return _of("multiply", one + two, _of("multiply", both, beside))
+
+
+def _at_end(h: float, w: float, m: Tree, n: Tree) -> Tree:
+    """The slope at an end: of the parabola through three points, as far as it makes no hump."""
+    by = _of("divide", _of("subtract", _of("multiply", 2 * h + w, m), _of("multiply", h, n)), h + w)
+    most = _of("multiply", 3, m)
+    return _of("max", _of("min", by, _of("max", most, 0)), _of("min", most, 0))
+
+
+def _piecewise(name: str, knots: Sequence[float], start: Tree, parts: Sequence[Sequence[Tree]]) -> Tree:
+    """
+    The curve that is a cubic between knots and constant outside.
+
+    Each part adds what it does between two knots, of a distance clamped to its width: nothing cancels.
+    """
+    terms = [start]
     for left, right, coefficients in zip(knots[:-1], knots[1:], parts, strict=True):
-        inside = Apply("max", (Apply("subtract", (Name(name), Number(float(left)))), Number(0.0)))
-        clamped = Apply("min", (inside, Number(float(right - left))))
-        sum_: Tree = Number(float(coefficients[0]))
+        clamped = _of("min", _of("max", _of("subtract", Name(name), left), 0), right - left)
+        sum_ = coefficients[0]
         for one in coefficients[1:]:
-            sum_ = Apply("add", (Apply("multiply", (sum_, clamped)), Number(float(one))))
-        terms.append(Apply("multiply", (sum_, clamped)))
+            sum_ = _of("add", _of("multiply", sum_, clamped), one)
+        terms.append(_of("multiply", sum_, clamped))
     while len(terms) > 1:  # added in pairs: the tree stays flat, however many knots there are
-        pairs = [Apply("add", (a, b)) for a, b in zip(terms[::2], terms[1::2], strict=False)]
+        pairs = [_of("add", a, b) for a, b in zip(terms[::2], terms[1::2], strict=False)]
         terms = [*pairs, *terms[2 * len(pairs) :]]
     return terms[0]

@@ -63,5 +63,6 @@ def law_number(name: str, given: object, what: Dimension) -> tuple[float, str | 
 
 
 def measure_of(dimensions_by_name: Mapping[str, Dimension], name: str) -> Dimension:
-    """Return what a number of a law measures, its twin for v_w > 0 the same."""
+    """Return what a number of a law measures, its twin for v_w > 0 the same, and one of a list as the list."""
+    name = name.partition("[")[0]
     return dimensions_by_name[name if name in dimensions_by_name else name.removesuffix("_plus")]

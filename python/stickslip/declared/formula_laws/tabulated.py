@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-import scipy
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
 from stickslip.declared.formula.dimension import dimensions
-from stickslip.declared.formula.tree import Name, Number, Tree
-from stickslip.declared.formula_law import LawByFormula, piecewise_cubic
+from stickslip.declared.formula.tree import Name, Tree
+from stickslip.declared.formula_law import LawByFormula, monotone_cubic
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.law_numbers import Size, Sized, law_number, measure_of
 from stickslip.errors import InputError, number
+
+FORCES = ("forces", "forces_plus")  # lists whose members are numbers of the law
 
 
 @explained
@@ -31,7 +32,7 @@ class TabulatedFriction(LawByFormula):
     speeds
         u of the points, not negative, increasing; at least two. Lists may hold text with units ("2 mm/s").
     forces
-        R there, not negative.
+        R there, not negative; `Model.parameters` has them as "forces[0]", "forces[1]" and so on.
     static
         Static limit; the first of `forces` if absent.
     speeds_plus, forces_plus, static_plus
@@ -120,17 +121,37 @@ class TabulatedFriction(LawByFormula):
             self.static if self.static_plus is None else self.static_plus,
         )
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The forces by their places, "forces[0]" the first, and the static limits."""
+        of = {name: getattr(self, name) or () for name in FORCES}
+        forces = {f"{name}[{i}]": float(one) for name, each in of.items() for i, one in enumerate(each)}
+        return forces | super().numbers
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        """Return the law with some forces or static limits changed."""
+        given: dict[str, Any] = {
+            name: list(getattr(self, name)) for name in FORCES if getattr(self, name) is not None
+        }
+        for name, one in values.items():
+            of, _, place = name.partition("[")
+            if place:
+                given[of][int(place.removesuffix("]"))] = one
+            else:
+                given[name] = one
+        return replace(self, **given)
+
     def _make_form(self) -> LawForm:
         numbers = self.numbers
         branches = []
         for twin in (False, True):
             speeds, forces, static = self._side(twin)
-            curve = scipy.interpolate.PchipInterpolator(speeds, forces)
-            limit: Tree = Number(float(forces[0]))
+            of = "forces_plus" if twin and self.forces_plus is not None else "forces"
+            knots: list[Tree] = [Name(f"{of}[{i}]") for i in range(len(forces))]
+            limit = knots[0]
             if static is not None:
                 limit = Name("static_plus" if twin and self.static_plus is not None else "static")
-            parts = curve.c[:3].T  # the cubic's constant is what came before
-            branches.append(BranchForm(piecewise_cubic("u", speeds, forces[0], parts.tolist()), limit))
+            branches.append(BranchForm(monotone_cubic("u", speeds, knots), limit))
         return LawForm(branches[0], branches[1], numbers)
 
 
