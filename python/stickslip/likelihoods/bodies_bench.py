@@ -76,14 +76,14 @@ class BodiesBench:
 
 def of_run(model: Model, run: BodiesData, number: int, policy: Policy) -> list[SharedNumber]:
     """
-    Return the speeds of a run's belt and drive, which are nearly as set; none where one is a formula.
+    Return the speeds of a run's belt and drive, which are nearly as set; none of a drive whose speed is a formula.
 
     The belt's is the share by which it is faster than set, for all of the run's windows: without it the gain of a
     sensor, which reads that speed in every stick, would be known as well as it is read.
     """
     assert isinstance(model.rig, GeneralRig)
     own, out, sd = model.rig.equations, list[SharedNumber](), policy.belt_sd
-    if own.on_belt and run.belt.constant:
+    if own.on_belt and run.belt.constant != 0:
         out.append(SharedNumber(BELT_OFF, 0.0, 0.0, sd, run=number, stride=sd))
     if own.driven and (speed := run.drive.constant):
         off = sd * abs(speed)

@@ -20,7 +20,7 @@ from stickslip.likelihoods.bodies_cuts import cuts, starts_of_slips
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
-from stickslip.likelihoods.own_phases import with_own_phases
+from stickslip.likelihoods.own_phases import as_it_ran
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
@@ -145,7 +145,8 @@ def compare_bodies(
         raise InputError(f"{recording.name} holds {len(cut)} windows; {SHOWN} are needed")
     tell("fitting the starts of windows", 0.1)
     try:
-        fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)
+        own, run = as_it_ran(model, run, cut)
+        fit = null(BodiesWindows(own, [run], cut, [], Declared()), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         raise StickslipError("no window of the run can be simulated with this model") from None
     tell("simulating", 0.7)

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
-from stickslip.declared.formula.value import value
+from stickslip.declared.formula.value import Value, value
 from stickslip.declared.placed import PlacedState, coordinate, distance, velocity
 from stickslip.declared.speeds import Speed
 from stickslip.fitted.bodies_data import SHARE, BodiesData, smoothed, way
+from stickslip.likelihoods.bodies_own_friction import OFF
 from stickslip.simulated.bodies_lowering import LoweredBodies
 
 Floats = NDArray[np.float64]
@@ -138,6 +139,13 @@ class Beginnings:
                 out[key] = (tree, [name for name in sorted(names(tree)) if name in self.places])
         return out
 
+    def rippling(self, key: str, of: Mapping[str, float | Floats]) -> tuple[Value, dict[str, Value]]:
+        """Return what effects multiply a prescribed speed by at times, and its slopes by their numbers."""
+        if key not in self.rippled:
+            return 1.0, {}
+        tree, by = self.rippled[key]
+        return value(tree, of), {name: value(derivative(tree, name), of) for name in by}
+
     def put(self, values: Floats, rows: Floats, t: float) -> None:
         """Put into the values, and into rows of seeds, what follows from the others at time `t`."""
         of = {name: float(values[place]) for name, place in self.read.items()} | {"t": t}
@@ -160,10 +168,11 @@ class Beginnings:
         if key == DRIVE and speed.constant is not None:  # a number of the run, which may be fitted
             return self._driven(of, t)
         if key not in self.rippled:
-            if (key, t) not in self.ways:
-                self.ways[key, t] = way(speed, t)
-            return self.ways[key, t], {}
+            return self._gone(key, speed, t), {}
         tree, by = self.rippled[key]
+        if by == [OFF]:
+            gone = self._gone(key, speed, t)
+            return (1.0 + of[OFF]) * gone, {OFF: gone}
         numbers = tuple(of[name] for name in by)
         if key not in self.last or self.last[key][0] != numbers:
             self.last[key] = numbers, self._integrals(speed, tree, by, of)
@@ -171,6 +180,12 @@ class Beginnings:
         return float(np.interp(t, grid, come)), {
             name: float(np.interp(t, grid, one)) for name, one in slopes.items()
         }
+
+    def _gone(self, key: str, speed: Speed, t: float) -> float:
+        """How far a speed goes by itself."""
+        if (key, t) not in self.ways:
+            self.ways[key, t] = way(speed, t)
+        return self.ways[key, t]
 
     def _driven(self, of: Mapping[str, float], t: float) -> tuple[float, dict[str, float]]:
         """How far a drive of constant speed has come, and its slopes by that speed and by numbers of effects."""

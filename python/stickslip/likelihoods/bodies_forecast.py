@@ -27,7 +27,7 @@ from stickslip.likelihoods.bodies_starts import resolved
 from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
-from stickslip.likelihoods.own_phases import with_own_phases
+from stickslip.likelihoods.own_phases import as_it_ran
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
@@ -140,7 +140,8 @@ def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -
             f"the past holds {len(cut)} windows; {SHOWN} are needed to see how friction scatters"
         )
     try:
-        fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)
+        own, run = as_it_ran(model, run, cut)
+        fit = null(BodiesWindows(own, [run], cut, [], Declared()), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         raise StickslipError("the model cannot follow the past: no window of it can be simulated") from None
     if (left := unexplained(fit)) > POLICY.noise_left:

@@ -22,7 +22,7 @@ from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
-from stickslip.likelihoods.bodies_own_friction import lowered, places_of
+from stickslip.likelihoods.bodies_own_friction import OFF, lowered, places_of
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
 from stickslip.likelihoods.bodies_starts import BodiesStart, resolved, scales_of, start_of
@@ -80,8 +80,8 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         own = self.lowered[0].own
         self.dimension = len(own.equations.names)
         self.begins = 2 * self.dimension
-        belted = own.equations.on_belt and all(run.belt.constant for run in data)
-        self.differs = differing(self.lowered[0].own, belted)
+        moves = own.equations.on_belt and any(run.belt.constant != 0 for run in data)
+        self.differs = differing(self.lowered[0].own, moves)
         self.effects = len(self.differs.of)
         self.own = self.begins + self.effects
         laws = self.lowered[0].own.laws
@@ -208,9 +208,15 @@ class RunWindows:
                 continue
             size = one.value(float(x))
             if one.name in of.of_rig:
-                out += (size - 1.0) * of.of_rig[one.name]
+                out += (size - 1.0) * self._of_rig(one.name)
             elif one.name in self.lowered.places:
                 out[self._place(one.name)] = size
+        return out
+
+    def _of_rig(self, name: str) -> Floats:
+        """What the values move by with a constant of the rig; runs differ in the numbers that follow the rig's."""
+        out, rig = np.zeros(len(self.lowered.values)), self.lowered.layout["parameters"]
+        out[:rig] = self.of.of_rig[name][:rig]
         return out
 
     def _place(self, name: str) -> int:
@@ -222,7 +228,7 @@ class RunWindows:
         if one.run not in (None, self.run):
             return None
         if one.name in self.of.of_rig:
-            return self.of.of_rig[one.name]
+            return self._of_rig(one.name)
         if one.name == BELT_OFF:
             return np.zeros(len(self.base))  # as each window's own belt does, which moves its start too
         if one.name not in self.lowered.places:
@@ -249,8 +255,8 @@ class RunWindows:
         for k, place in enumerate(self.effect_places):
             row = rows[of.begins + k]
             if place is None:
-                speed = float(self.data.belt.constant or 0.0)
-                row[self._place(BELT)] = speed
+                speed = self.data.belt.constant
+                row[self._place(OFF if speed is None else BELT)] = 1.0 if speed is None else speed
                 row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
             else:
                 row[place] = 1.0
@@ -368,15 +374,21 @@ class RunWindows:
         return sensor_rows(self.lowered, of.sensed, of.numbers, self.at, self.shared, of.rows_move)
 
     def _belt(self, c: int, t: Floats, own: Floats, read: Floats, by: Floats, local: bool) -> None:
-        """The belt's own sensor sees the window's own belt."""
+        """The belt's own sensor sees the window's own belt, and what effects make of it."""
         speed = self.data.belt(t)
         wobbles = self.of.differs.names[-1] == "belt"
-        read[:, c] = speed * (1.0 + self.belt_off + (own[-1] if wobbles else 0.0))
+        faster = 1.0 + self.belt_off + (own[-1] if wobbles else 0.0)
+        factor, moves = self.begins.rippling(BELT, {**self.named, "t": t})
+        read[:, c] = speed * factor * faster
         for i, j in enumerate(self.shared):
-            if self.of.numbers[j].name == BELT_OFF and self.rows[i] is not None:
-                by[:, c, i] = speed
+            if self.rows[i] is None:
+                continue
+            if (name := self.of.numbers[j].name) == BELT_OFF:
+                by[:, c, i] = speed * factor
+            elif name in moves:
+                by[:, c, i] = speed * moves[name] * faster
         if local and wobbles:
-            by[:, c, -1] = speed
+            by[:, c, -1] = speed * factor
 
     def block(self, i: int, own: Floats, local: bool) -> Floats | None:
         """Simulate, read, weigh."""

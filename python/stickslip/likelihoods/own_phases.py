@@ -26,6 +26,19 @@ TURNS = 4  # of every window alone at each
 STRIDE = 0.6
 
 
+def as_it_ran(model: Model, run: BodiesData, windows: Sequence[Cut]) -> tuple[Model, BodiesData]:
+    """
+    Return a model with the phases that a run has, and the run with the speeds that its belt and drive had.
+
+    Parameters
+    ----------
+    model : of a rig of bodies or matrices
+    run, windows : the run, and where it is cut
+    """
+    own = with_own_phases(model, run, windows)
+    return own, with_own_speeds(own, run, windows)
+
+
 def with_own_phases(model: Model, run: BodiesData, windows: Sequence[Cut]) -> Model:
     """
     Return a model with the phases that a run has; the model itself where nothing has any.
@@ -54,7 +67,7 @@ def with_own_phases(model: Model, run: BodiesData, windows: Sequence[Cut]) -> Mo
 
 def with_own_speeds(model: Model, run: BodiesData, windows: Sequence[Cut]) -> BodiesData:
     """
-    Return a run with the speeds that its belt and drive had, by its readings; the run itself where none is a number.
+    Return a run with the speeds that its belt and drive had, by its readings.
 
     Parameters
     ----------
@@ -68,7 +81,7 @@ def with_own_speeds(model: Model, run: BodiesData, windows: Sequence[Cut]) -> Bo
     fit = fitted(replace(fit, own=settled(fit, TURNS)[0]), POLICY)
     found, belt = fit.values(), run.belt
     if BELT_OFF in found:
-        belt = Speed.of((run.belt.constant or 0.0) * (1 + found[BELT_OFF]))
+        belt = run.belt.scaled(1.0, 1 + found[BELT_OFF])
     return replace(
         run, belt=belt, drive=Speed.of(found["drive_speed"]) if "drive_speed" in found else run.drive
     )

@@ -20,7 +20,7 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.contact_scatter import ContactScatter
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.held_out import Unseen, deviances, falls
-from stickslip.likelihoods.own_phases import with_own_phases, with_own_speeds
+from stickslip.likelihoods.own_phases import as_it_ran
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
@@ -126,8 +126,7 @@ def ahead(told: FittedRig, run: BodiesData) -> tuple[WindowForecasts, Unseen]:
     gain, offset = 1 + told.of("gain", run), told.of("offset", run)
     true = (run.readings - offset) / gain
     run = replace(run, readings=true, weight=run.weight * gain, noise=run.noise / gain)
-    run = with_own_speeds(told.model, run, cut)
-    own = with_own_phases(told.model, run, cut)
+    own, run = as_it_ran(told.model, run, cut)
     fit = null(BodiesWindows(own, [run], cut, [], Declared()), POLICY)
     made = one_ahead(fit, run)
     made = replace(made, off=made.off * gain, readings=made.readings * gain + offset)
