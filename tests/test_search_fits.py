@@ -13,11 +13,12 @@ from discover_cases import spring_bench
 from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory import trials, verdicts
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.hypothesis import often, term
+from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Candidate, Screen
 from stickslip.discovery.laboratory.search import Searched, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
-from stickslip.discovery.laboratory.waves import waves_at
+from stickslip.discovery.laboratory.waves import Waves, waves_at
 from stickslip.discovery.workers import ALONE
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import null
@@ -256,10 +257,16 @@ def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_f
 
 
 def test_a_size_at_its_bound_is_not_told(bench: BeltBench, fit: Fit) -> None:
-    """A ripple of a drive's speed by 100 % of it, as large as it may be, was named: it stood in for what acted."""
+    """
+    A ripple of a drive's speed by 100 % of it, as large as it may be, was named: it stood in for what acted.
+
+    One slower than any that is sought was named with the slowest frequency, and an interval of a ten-thousandth.
+    """
     (kind,) = [one for one in bench.kinds() if one.name == "belt_speed_ripple"]
-    for size, told in ((0.9, True), (1.0, False), (-1.0, False)):
-        one = term(kind, {"a": size, "w": 3.0, "phi": 0.0})
+    slowest, fastest = often(kind, bench.policy)
+    sizes = ((0.9, True), (1.0, False), (-1.0, False))
+    for size, w, told in (*((a, 3.0, so) for a, so in sizes), (0.1, slowest, False), (0.1, fastest, False)):
+        one = term(kind, {"a": size, "w": w, "phi": 0.0})
         windows = bench.windows((one,))
         at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
         assert fit.solution is not None
@@ -277,3 +284,11 @@ def test_frequencies_at_once_are_what_each_is_alone(bench: BeltBench, fit: Fit, 
     for w, one in zip(every, together, strict=True):
         for a, b in zip(one.columns, waves_at(bench, fit, (), kind, [w])[0].columns, strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+def test_a_wave_along_a_way_that_hardly_goes_is_sought_where_it_is(bench: BeltBench, fit: Fit) -> None:
+    """None of its frequencies was left, and the search of a wheel that turns by a few degrees ended in a traceback."""
+    (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
+    waves = Waves(bench, kind, waves_at(bench, fit, (), kind, [3.0]))
+    waves.apart, waves.step = 1e4, 1e5
+    assert waves.best(Null(fit)) == 3.0

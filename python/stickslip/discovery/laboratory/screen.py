@@ -16,7 +16,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.rival_kind import RivalKind
-from stickslip.discovery.laboratory.waves import WaveColumns, Waves, coarse, waves_at
+from stickslip.discovery.laboratory.waves import WaveColumns, Waves, coarse, lasts, waves_at
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit_state import Fit
@@ -155,6 +155,8 @@ def _beside(bench: Bench, kind: EffectKind, terms: Sequence[Term]) -> bool:
     kinds = [kind, *(one.kind for one in terms)]
     names = [one.name for one in kinds]
     if any(one.behaves.idle and one.behaves.idle(bench.model.friction, names) for one in kinds):
+        return False
+    if kind.wave and not lasts(bench, kind):
         return False
     formula = any(isinstance(one, RivalKind) and one.physics == "dynamics" for one in kinds)
     return not formula or all(isinstance(one, RivalKind) or beside_formula(one) for one in kinds)

@@ -177,7 +177,8 @@ def told_by_sizes(trial: Trial) -> float:
     A fall of the deviance that they do not tell is what the fit without the effect was short of. The shape is held, as
     both may be known only together: of a peak narrower than the readings tell, height times width is. Of an effect
     that is one time alone, as a lag, that is the size. Of a contact that yields, which is nothing at no number, and of
-    a user's effects without a size nothing is asked. A size that runs against its bound is none that the runs tell.
+    a user's effects without a size nothing is asked. A size that runs against its bound is none that the runs tell,
+    and no wave is told whose frequency does: what acts is another, faster or slower than any that is sought.
     """
     one, fit = trial.terms[-1], trial.fit
     numbers = fit.windows.numbers
@@ -187,9 +188,9 @@ def told_by_sizes(trial: Trial) -> float:
     time_alone = len(own) == 1 and not isinstance(one.kind, RivalKind)
     if fit.solution is None or not (sizes.any() or time_alone):
         return math.inf
-    if not one.kind.nameless and any(
-        _at_bound(numbers[i], float(fit.at[i])) for i, size in zip(own, sizes, strict=True) if size
-    ):
+    often = f"{one.name}.{one.kind.wave.parameter}" if one.kind.wave else ""
+    asked = [i for i, size in zip(own, sizes, strict=True) if size or numbers[i].name == often]
+    if not one.kind.nameless and any(_at_bound(numbers[i], float(fit.at[i])) for i in asked):
         return -math.inf
     covariance = fit.solution.covariance[np.ix_(own, own)]
     price = math.log(len(fit.own))
@@ -202,8 +203,9 @@ def told_by_sizes(trial: Trial) -> float:
 
 
 def _at_bound(number: SharedNumber, at: float) -> bool:
-    """Whether a size is as large as it may be."""
-    return any(math.isfinite(end) and end != 0 and at == end for end in (number.low, number.high))
+    """Whether a size, or how often a wave comes, is as large or as small as it may be; a size of 0 is none."""
+    ends = (number.low, number.high)
+    return any(math.isfinite(end) and (end != 0 or number.logarithmic) and at == end for end in ends)
 
 
 def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:

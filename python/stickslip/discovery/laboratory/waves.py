@@ -25,7 +25,12 @@ SMALL = 1e-4
 
 def apart(bench: Bench, kind: EffectKind) -> float:
     """Return how far apart the coarse frequencies of a periodic effect are."""
-    return bench.policy.coarse_turn / max(bench.length(kind, s.run, s.start, s.stop) for s in bench.stretches)
+    return bench.policy.coarse_turn / lasts(bench, kind)
+
+
+def lasts(bench: Bench, kind: EffectKind) -> float:
+    """Return how long the longest window is in what a periodic effect comes and goes over; 0: a way nothing goes."""
+    return max(bench.length(kind, s.run, s.start, s.stop) for s in bench.stretches)
 
 
 def coarse(bench: Bench, kind: EffectKind) -> Floats:
@@ -111,9 +116,12 @@ class Waves:
         for wave in self.waves:
             made = null.projected(wave.columns)
             pull = null.along(made.columns, rights, shared.shape[1])
-            for off in np.arange(-half, half, self.step):
-                if wave.w + off > 0:
-                    yield wave.w + float(off), self._turned(null, made, pull, shared, float(off))
+            near = np.arange(-half, half, self.step)
+            near = near[wave.w + near > 0]
+            for off in near.tolist() or [
+                0.0
+            ]:  # where windows are next to nothing long, frequencies are far apart
+                yield wave.w + off, self._turned(null, made, pull, shared, off)
 
     def _turned(self, null: Null, made: Projected, pull: Floats, shared: Floats, off: float) -> Floats:
         """Gains of a sine and a cosine in each run, turned in each window as another frequency asks."""
