@@ -72,10 +72,14 @@ def claimed(found: FoundT, fewer: Iterable[FoundT], silent: Callable[[], FoundT]
 def _beside(found: Found, less: Found) -> str:
     """Why what does not carry over is not claimed beside what does."""
     kept = {(one.name, one.where) for one in less.effects}
-    gone = [_called(one) for one in found.effects if (one.name, one.where) not in kept]
+    gone = [one for one in found.effects if (one.name, one.where) not in kept]
     known = ", ".join(map(_called, less.effects))
-    names = ", ".join(gone)
-    return f"{names} would be named beside {known} by the train runs, but {doubt(found.error)}: not claimed"
+    names = ", ".join(map(_called, gone))
+    held = found.error.likelihood
+    it = "" if held is None or held.name in ("", *(one.name for one in gone)) else "both together"
+    return (
+        f"{names} would be named beside {known} by the train runs, but {doubt(found.error, it)}: not claimed"
+    )
 
 
 def instead(found: Found, silent: FoundT) -> FoundT:
@@ -93,13 +97,13 @@ def _called(one: FoundEffect) -> str:
     return f"a curve in {one.curve.variable} of no name ({one.where})"
 
 
-def doubt(error: ErrorBlock) -> str:
-    """Return in words why what was found does not carry over."""
+def doubt(error: ErrorBlock, it: str = "") -> str:
+    """Return in words why what was found, `it`, does not carry over."""
     held = error.likelihood
     rises = f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
     if held is None:
         return rises
-    it = held.name or "it"
+    it = it or held.name or "it"
     if held.against and held.gain > 0:  # a few events gain more than most lose
         return f"most of {held.forecasts} events of runs never used are less likely with {it} (p = {held.chance:.2g})"
     less = f"runs never used are less likely with {it}, by {-held.gain:.3g} in -2 log likelihood"

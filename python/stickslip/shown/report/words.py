@@ -14,6 +14,7 @@ from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.declared.si import OF_VARIABLES
 from stickslip.discovery.errors import DRAWS
+from stickslip.discovery.general_rig.result import GeneralFound
 from stickslip.discovery.residual import LIMIT
 from stickslip.discovery.result import (
     TIED,
@@ -104,7 +105,8 @@ def headline(found: Found) -> str:
         return said
     rise = f"rises from {error.before:.3g} to {error.after:.3g}"
     if error.carries:
-        floor = f"friction of events to come alone makes {error.floor:.3g}"
+        alone = "noise" if isinstance(found, GeneralFound) else "friction of events to come"
+        floor = f"{alone} alone makes {error.floor:.3g}"
         return (
             f"{said} The error on runs that were not used {rise} ({floor}), but they do not speak against it."
         )
