@@ -33,6 +33,11 @@ from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
 
+ASTRAY = (
+    "nothing is named: with what the search found best so many windows cannot be simulated that it is no model of the "
+    "runs"
+)
+
 
 def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> GeneralFound:
     """
@@ -77,13 +82,17 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
             "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"
         )
         raise StickslipError(words) from None
-    if lost(found.chosen.fit):
+    if lost(found.null.fit):
         words = "laws of this kind do not move the rig like the readings; are rig, units and speeds right?"
         raise StickslipError(words)
+    astray = lost(found.chosen.fit)
+    if astray:
+        found = replace(found, chosen=found.null)
     so_far = (began, len(every.stretches) - len(bench.stretches))
 
     def said(some: Searched) -> GeneralFound:
-        return _found(case, bench, some, validate, tell, so_far)
+        made = _found(case, bench, some, validate, tell, so_far)
+        return replace(made, messages=(*([ASTRAY] if astray else []), *made.messages))
 
     return claimed(
         said(found), (said(less) for less in fewer(found)), lambda: said(replace(found, chosen=found.null))

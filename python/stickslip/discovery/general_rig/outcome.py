@@ -56,7 +56,7 @@ def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
             phi = float(np.mod(one.phases[0] + turned, 2 * math.pi))
             e = e.replace(a=abs(e.parameters["a"]), phi=phi)
         effects.append(e)
-    if trial.freed is not None and _gain(bench, trial.freed):
+    if trial.freed is not None and _in_model(bench, trial.freed):
         effects.append(replace(effect("sensor_gain", e=trial.freed.off), where=trial.freed.name))
     plain = bench.model
     numbers = {}
@@ -75,7 +75,8 @@ def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
 
 def sensors(bench: GeneralBench, trial: Trial) -> dict[str, float]:
     """Return the gains, less 1, and the offsets of a hypothesis, as its fit names them; not one that is an effect."""
-    values, wrong = trial.fit.values(), trial.freed.name if trial.freed is not None else ""
+    values, freed = trial.fit.values(), trial.freed
+    wrong = freed.name if freed is not None and _in_model(bench, freed) else ""
     names = [f"gain.{one}" for one in bench.data[0].channels if one != wrong]
     names += [f"offset.{one}" for one in bench.data[0].channels]
     return {name: values[name] for name in names if name in values}
@@ -101,6 +102,12 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
 
 def _gain(bench: GeneralBench, one: Freed) -> bool:
     return f"gain.{one.name}" in bench.declared.names
+
+
+def _in_model(bench: GeneralBench, one: Freed) -> bool:
+    """Whether it is a gain that a model has: those of accelerations and forces are their sensors' alone."""
+    assert isinstance(bench.model.rig, GeneralRig)
+    return _gain(bench, one) and one.name in bench.model.rig.state_names
 
 
 def _wrong_constant(bench: GeneralBench, found: Searched, wrong: Freed) -> FoundEffect:
