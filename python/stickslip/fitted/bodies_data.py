@@ -17,7 +17,7 @@ from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_motion import SensorReadings, most_likely_motion
-from stickslip.fitted.bodies_sensors import jumps, may_jump, placed_by_links
+from stickslip.fitted.bodies_sensors import followed, jumps, may_jump, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
 from stickslip.measured.intervals import intervals
@@ -77,6 +77,9 @@ class BodiesData:
     offsets: Mapping[str, tuple[float, float]]
     declared: tuple[bool, ...] = ()  # whether a channel's noise is
     placed: tuple[bool, ...] = ()  # whether what is read says where a coordinate is: itself, or a force
+    followed: float = (
+        1.0  # how far the drive goes by the positions that follow it, over how far it goes as set
+    )
 
     @property
     def belt_speed(self) -> float:
@@ -172,8 +175,9 @@ def _prepared(
     read = {reads[c]: SensorReadings(readings[:, c], weight[:, c], float(noise[c])) for c in order}
     speed = np.asarray(drive(t)) + np.zeros(len(t))
     go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
+    ratio = followed(own, {name: one.values for name, one in read.items()}, go)
     law = partial(_expected, own, friction, np.asarray(belt(t)) + np.zeros(len(t)), speed)
-    q, v, doubt, placed = _all_motion(own, t, read, go, speed, periods[1], law)
+    q, v, doubt, placed = _all_motion(own, t, read, ratio * go, speed, periods[1], law)
     stuck, seen = _stuck(own, t, v, doubt, belt, periods[1])
     offsets = {
         name: (run.offset(name), one.offset_uncertainty * abs(run.factor(name) / one.scale))
@@ -183,7 +187,7 @@ def _prepared(
     return BodiesData(
         run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
         reads, offsets,
-        tuple(name in run.noise for name in channels), placed,
+        tuple(name in run.noise for name in channels), placed, ratio,
     )  # fmt: skip
 
 

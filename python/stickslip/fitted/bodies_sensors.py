@@ -11,6 +11,7 @@ from stickslip.declared.rigs.general import Equations
 
 Floats = NDArray[np.float64]
 STANDS_OUT = 4.0  # standard deviations of the difference of two readings that noise does not make
+OFF = 0.05  # share by which a way may be read otherwise than it is set
 DETERMINED = 1e-6  # how nearly a coordinate must follow from links
 
 
@@ -38,6 +39,30 @@ def jumps(x: Floats, noise: float) -> NDArray[np.bool_]:
     at = np.flatnonzero(step > STANDS_OUT * np.sqrt(2.0) * noise + 2.0 * around)
     out[at] = out[at + 1] = True
     return out
+
+
+def followed(own: Equations, read: Mapping[str, Floats], go: Floats) -> float:
+    """
+    Return how far the drive goes by the positions that follow it, over how far it goes as set.
+
+    Gains and set-points are nearly right; over a long way that is more than a spring ever deflects. Else it is 1.
+
+    Parameters
+    ----------
+    own : the rig
+    read : readings (n,) by what they read
+    go : (n,) how far the drive has come by its set-point
+    """
+    if not np.ptp(go) or np.linalg.matrix_rank(own.K) < len(own.names):
+        return 1.0
+    follows = np.linalg.solve(own.K, own.drive_stiffness)
+    for name, share in zip(own.names, follows.tolist(), strict=True):
+        if name in read and share:
+            slope, start = np.polyfit(share * go, read[name], 1)
+            swings = float(np.std(read[name] - slope * share * go - start))
+            if swings / float(np.ptp(share * go)) < abs(slope - 1) < OFF:
+                return float(slope)
+    return 1.0
 
 
 def placed_by_links(

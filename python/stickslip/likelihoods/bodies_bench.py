@@ -87,7 +87,7 @@ def of_run(model: Model, run: BodiesData, number: int, policy: Policy) -> list[S
         out.append(SharedNumber(BELT_OFF, 0.0, 0.0, sd, run=number, stride=sd))
     if own.driven and (speed := run.drive.constant):
         off = sd * abs(speed)
-        out.append(SharedNumber("drive_speed", speed, speed, off, run=number, stride=off))
+        out.append(SharedNumber("drive_speed", run.followed * speed, speed, off, run=number, stride=off))
     return out
 
 
