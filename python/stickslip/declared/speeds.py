@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -21,6 +21,8 @@ from stickslip.errors import InputError, number
 from stickslip.objects import Drawn
 
 _T = Name("t")
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_EXACT, _PARTS = 1e-11, 1_000_000  # how nearly a way is told, and the parts that it is found in at most
 
 
 @explained
@@ -159,6 +161,47 @@ class Speed(Drawn):
         late: Mapping[str, Tree] = {"t": Apply("subtract", (_T, Number(by)))}
         pieces = tuple(one if isinstance(one, Number) else substituted(one, late) for one in self.pieces)
         return Speed(tuple(one + by for one in self.begins), pieces, f"{self.text}, {by:g} later")
+
+    def since(self, start: float) -> Speed:
+        """Return the same speed by a clock that begins at `start`."""
+        if start == 0 or self.constant is not None:
+            return self
+        return replace(self.delayed(-start), text=f"{self.text}, from {start:g} on")
+
+    def followed(self, later: Speed, begin: float) -> Speed:
+        """Return the speed until a time, and another from there on."""
+        kept = [i for i, at in enumerate(self.begins) if at < begin]
+        new = [i for i, at in enumerate(later.begins) if at > begin]
+        begins = (*(self.begins[i] for i in kept), begin, *(later.begins[i] for i in new))
+        first = later.pieces[later.piece(begin)]
+        pieces = (*(self.pieces[i] for i in kept), first, *(later.pieces[i] for i in new))
+        return Speed(begins, pieces, later.text)
+
+    def way(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return how far it goes from the time 0 to the times t >= 0, any shape."""
+        times = np.asarray(t, dtype=np.float64)
+        if self.constant is not None:
+            return self.constant * times
+        last = float(times.max(initial=0.0))
+        inner = [one for one in self.begins if 0 < one < last]
+        edges = np.unique(np.concatenate([[0.0], inner, times.ravel()]))
+        come, parts = self._come(edges, 1), 1
+        while parts * len(edges) < _PARTS:
+            parts *= 2
+            finer = self._come(edges, parts)
+            done = np.abs(finer - come).max() <= _EXACT * max(float(np.abs(finer).max()), 1e-300)
+            come = finer
+            if done:
+                break
+        return np.asarray(come[np.searchsorted(edges, times)])
+
+    def _come(self, edges: NDArray[np.float64], parts: int) -> NDArray[np.float64]:
+        """The way at edges, the first of which is 0: by Gauss in so many parts between two."""
+        share = (np.arange(parts)[:, None] + 0.5 * (1 + _NODES)).ravel() / parts
+        width = np.diff(edges)
+        rate = self(edges[:-1, None] + width[:, None] * share)
+        each = width * (rate @ np.tile(_WEIGHTS, parts)) / (2 * parts)
+        return np.concatenate([[0.0], np.cumsum(each)])
 
     def scaled(self, time: float, size: float) -> Speed:
         """Return the speed in other units: of t/time and value * size."""

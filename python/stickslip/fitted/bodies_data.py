@@ -88,15 +88,6 @@ class BodiesData:
         return float(one(0.0)) if one.constant is None else one.constant
 
 
-def way(drive: Speed, t: float) -> float:
-    """Return how far a drive goes from the time 0 to `t`."""
-    if drive.constant is not None:
-        return drive.constant * t
-    edges = [one for one in drive.begins if 0 < one < t]
-    found, _ = scipy.integrate.quad(lambda s: float(drive(s)), 0.0, t, points=edges or None)
-    return float(found)
-
-
 def natural_periods(own: Equations) -> tuple[float, float]:
     """Return the longest and the shortest period of the rig without friction and damping.
 
@@ -168,8 +159,7 @@ def _prepared(
     periods, drawn = natural_periods(own), 0.0
     if "x_drive" in run.coordinates:
         at = np.unique(np.linspace(0, len(t) - 1, PLACES).astype(int))
-        off = [run.coordinates["x_drive"][i] - way(drive, float(t[i])) for i in at]
-        drawn = float(np.nanmedian(off))
+        drawn = float(np.nanmedian(run.coordinates["x_drive"][at] - drive.way(t[at])))
     # of two sensors of one thing the better one comes last
     order = sorted(range(len(reads)), key=lambda c: -noise[c])
     read = {reads[c]: SensorReadings(readings[:, c], weight[:, c], float(noise[c])) for c in order}

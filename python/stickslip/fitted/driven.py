@@ -81,7 +81,7 @@ def forecast_driven(model: Model, recording: Recording, drive: object, horizon: 
     known = recorded_drive(recording)
     last = len(t) - 1
     times = t[last] + step * np.arange(1, count + 1)
-    course = _followed(known, future, float(t[last]) + step)
+    course = known.followed(future, float(t[last]) + step)
     mean = _ahead(model, course, recording, last, times)
     half = _half_width(model, known, recording, count)
     return DrivenForecast(times, mean, mean - half, mean + half)
@@ -100,19 +100,6 @@ def _check_record(recording: Recording) -> None:
     if len(recording.t) < PAST + 2 * FEWEST:
         words = f"{PAST + 2 * FEWEST} are needed to see how the slider moves"
         raise InputError(f"{recording.name} has {len(recording.t)} samples; {words}")
-
-
-def _followed(known: Speed, future: Speed, begin: float) -> Speed:
-    """A course, and another from a time on."""
-    kept = [i for i, at in enumerate(known.begins) if at < begin]
-    later = [i for i, at in enumerate(future.begins) if at > begin]
-    begins = (*(known.begins[i] for i in kept), begin, *(future.begins[i] for i in later))
-    pieces = (
-        *(known.pieces[i] for i in kept),
-        future.pieces[future.piece(begin)],
-        *(future.pieces[i] for i in later),
-    )
-    return Speed(begins, pieces, future.text)
 
 
 def _ahead(model: Model, course: Speed, recording: Recording, at: int, times: Floats) -> Floats:

@@ -173,7 +173,8 @@ def _as_read(
     own = dict(zip(run.channels, noisy.T, strict=True))
     kept = {name: one[part] for name, one in recording.coordinates.items()} | own
     assert isinstance(model.rig, GeneralRig)
-    shown = replace(recording, t=recording.t[part], coordinates=kept)
+    t = recording.t[part]
+    shown = replace(recording, t=t, coordinates=kept, speeds=recording.since(float(t[0])))
     return prepare_bodies(model.rig, [shown], model.friction)[0]
 
 

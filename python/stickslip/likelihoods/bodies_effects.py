@@ -21,7 +21,7 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import Value, value
 from stickslip.declared.placed import PlacedState, coordinate, distance, velocity
 from stickslip.declared.speeds import Speed
-from stickslip.fitted.bodies_data import SHARE, BodiesData, smoothed, way
+from stickslip.fitted.bodies_data import SHARE, BodiesData, smoothed
 from stickslip.likelihoods.bodies_own_friction import OFF
 from stickslip.simulated.bodies_lowering import LoweredBodies
 
@@ -184,7 +184,7 @@ class Beginnings:
     def _gone(self, key: str, speed: Speed, t: float) -> float:
         """How far a speed goes by itself."""
         if (key, t) not in self.ways:
-            self.ways[key, t] = way(speed, t)
+            self.ways[key, t] = float(speed.way(t))
         return self.ways[key, t]
 
     def _driven(self, of: Mapping[str, float], t: float) -> tuple[float, dict[str, float]]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.model import Model
-from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.simulated.general import General
 
@@ -43,7 +43,7 @@ def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
         slip = float(np.mean(contact.slip(run.v[ahead], run.belt(run.t[ahead]))))
         limit = law_of(model.friction, contact).static_limits[0 if slip < 0 else 1]
         pulls = rig.force - rig.K @ (run.q[last] + out) - rig.C @ run.v[last]
-        pulls = pulls + rig.drive_stiffness * (run.drawn + way(run.drive, float(run.t[last])))
+        pulls = pulls + rig.drive_stiffness * (run.drawn + float(run.drive.way(run.t[last])))
         pulls = pulls + rig.drive_damping * float(run.drive(run.t[last]))
         held = float(contact.direction @ pulls / (contact.direction @ contact.direction))
         out[lost] -= np.linalg.pinv(stiff) @ along * (np.sign(slip) * limit - held)

@@ -201,7 +201,12 @@ class Recording(Sampled):
             drive=None if self.drive is None else self.drive[kept],
             raw={name: column[kept] for name, column in self.raw.items()},
             coordinates={name: column[kept] for name, column in self.coordinates.items()},
+            speeds=self.since(float(self.t[kept][0])),
         )
+
+    def since(self, start: float) -> dict[str, Speed]:
+        """Return what is prescribed by the clock of a run whose first sample is at the time `start`."""
+        return {key: one.since(start - float(self.t[0])) for key, one in self.speeds.items()}
 
 
 @explained

@@ -22,7 +22,7 @@ from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.workers import ALONE, Workers
-from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods import bodies_bench
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.contact_scatter import ContactScatter
@@ -142,12 +142,7 @@ class GeneralBench(Bench):
             data: BodiesData = self.data[run]
             come = np.zeros(len(data.t))
             if one.against == "belt":
-                speed = data.belt.constant
-                come = (
-                    data.t * speed
-                    if speed is not None
-                    else np.array([way(data.belt, float(t)) for t in data.t])
-                )
+                come = data.belt.way(data.t)
             self._travels[key] = come - data.q @ one.direction
         return self._travels[key]
 

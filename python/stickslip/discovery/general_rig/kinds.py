@@ -24,7 +24,7 @@ from stickslip.declared.placed import CHANNEL
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
-from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.scaled import ALPHA, STATIC
 
 Floats = NDArray[np.float64]
@@ -62,8 +62,7 @@ class Sizes:
         """Where the drive is, (n,)."""
         if not self.own.driven:
             return np.zeros(len(run.t))
-        ends = [way(run.drive, float(t)) for t in run.t[:: max(len(run.t) // 200, 1)]]
-        return np.asarray(run.drawn + np.interp(run.t, run.t[:: max(len(run.t) // 200, 1)], ends))
+        return np.asarray(run.drawn + run.drive.way(run.t))
 
     def link(self, i: int) -> Units:
         """Of a link, by its deflection and the force of its spring."""
