@@ -84,3 +84,57 @@ for what, changed in RIVALS.items():
 def on_slider(_: Path) -> object:
     own = ss.candidate("mine", force="-c*x2", ranges={"c": [0, 5]})
     return on_rig(own, ss.DrivenSlider(mass=1), ss.CoulombFriction())
+
+
+MOVED = """[rig]
+kind = "bodies"
+body.x.mass = "0.5 kg"
+link = [{ between = ["x", "ground"], stiffness = "500 N/m" }]
+contact = [{ body = "x", against = "belt" }]
+[friction]
+kind = "coulomb"
+[channels]
+t = { column = "t", unit = "s" }
+x = { column = "x", unit = "mm" }
+belt = { column = "v", unit = "mm/s" }
+[[run]]
+file = "run.csv"
+role = "train"
+"""
+SPEEDS = {
+    "a run without the speed of its belt, which is recorded": "",
+    "a step without a value": "belt_speed = [{ from = 0, value = 3 }, { from = 2 }]",
+    "a step with a key misspelt": "belt_speed = [{ from = 0, value = 3 }, { from = 2, valeu = 0 }]",
+    "a step of a force": "belt_speed = [{ from = 0, value = '3 N' }]",
+    "a step that begins at a length": "belt_speed = [{ from = '2 m', value = 3 }]",
+    "steps that go back in time": "belt_speed = [{ from = 2, value = 3 }, { from = 0, value = 0 }]",
+    "no steps at all": "belt_speed = []",
+    "a measured drive that is not there": "belt_speed = 3\ndrive_speed = 'measured'",
+}
+
+
+def moved(line: str, change: Callable[[str], str] = str) -> Callable[[Path], object]:
+    def attempt(folder: Path) -> object:
+        rows = "\n".join(f"{0.01 * i},{i % 7},{5}" for i in range(100))
+        (folder / "run.csv").write_text(f"t,x,v\n{rows}\n")
+        (folder / "rig.toml").write_text(change(MOVED + line + "\n"))
+        return ss.load_case(folder)
+
+    return attempt
+
+
+for what, line in SPEEDS.items():
+    bad_input(AREA, what)(moved(line))
+bad_input(AREA, "a measured belt that is not recorded")(
+    moved(
+        "belt_speed = 'measured'", lambda text: text.replace('belt = { column = "v", unit = "mm/s" }\n', "")
+    )
+)
+bad_input(AREA, "a measured belt of a named rig")(
+    moved(
+        "belt_speed = 'measured'",
+        lambda text: text.replace(
+            text[: text.index("[friction]")], "[rig]\nkind = 'block_on_belt'\nm = 1\nk = 1\n"
+        ).replace("x =", "x1 ="),
+    )
+)

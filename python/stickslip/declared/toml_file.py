@@ -23,7 +23,9 @@ M = TypeVar("M", bound=BaseModel)
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 _ASSIGNED = re.compile(r"^\s*([\w.\-\"']+)\s*=")
-_INLINE = re.compile(r"[{,]\s*([\w\-\"']+)\s*=")
+_INLINE = re.compile(r"([{,])\s*([\w\-\"']+)\s*=")
+_QUOTED = re.compile(r'"[^"]*"|\'[^\']*\'')
+_LISTED = re.compile(r"(\w+)\[(\d+)\](?:\.(\w+))?")
 _AT_LINE = re.compile(r"\s*\(at (?:line (\d+), column \d+|end of document)\)")
 
 
@@ -38,19 +40,32 @@ class Document:
     def line(self, *keys: Key) -> int | None:
         """Return the line of the key that `keys` lead to, or of the deepest table on the way, or None."""
         best, found, counts, table = 0, None, dict[str, int](), tuple[Key, ...]()
+        head, entry, depth = (
+            table,
+            -1,
+            0,
+        )  # the key of a list that goes on over lines, its entry, and how deep it is in
         for number, text in enumerate(self.text.splitlines(), start=1):
-            header = _HEADER.match(text)
+            bare = _QUOTED.sub("", text).partition("#")[0]
+            header = None if depth else _HEADER.match(text)
+            assigned = None if depth else _ASSIGNED.match(text)
+            paths = list[tuple[Key, ...]]()
             if header:
                 table = _parts(header[2])
                 if header[1] == "[[":
                     counts[header[2]] = counts.get(header[2], -1) + 1
                     table = (*table, counts[header[2]])
-                paths = [table]
-            else:
-                assigned = _ASSIGNED.match(text)
-                head = (*table, *_parts(assigned[1])) if assigned else table
-                inline = [(*head, *_parts(key)) for key in _INLINE.findall(text)]
-                paths = [head, *inline] if assigned else inline
+                head, paths = table, [table]
+            elif assigned:
+                head, entry = (*table, *_parts(assigned[1])), -1
+                paths = [head]
+            of_list = depth > 0 or bool(assigned and bare.partition("=")[2].lstrip().startswith("["))
+            for begin, key in [] if header else _INLINE.findall(text):
+                entry += begin == "{"
+                own = (*head, entry) if of_list else head
+                paths += [own, (*own, *_parts(key))]
+            if assigned or depth:
+                depth = max(0, depth + bare.count("[") - bare.count("]"))
             for path in paths:
                 if len(path) > best and path == keys[: len(path)]:
                     best, found = len(path), number
@@ -79,8 +94,10 @@ class Document:
                 place, last = self.place(*keys)
                 table = " ".join(part for part in (place.table, last) if part)
                 raise error.placed(Place(place.file, place.line, table or None)) from None
-            # "belt_seam.L" is said by an effect; the file knows it as L
-            path = (*keys, error.key.rsplit(".", 1)[-1])
+            # "belt_seam.L" is said by an effect; the file knows it as L. "belt_speed[1].value" is an entry's
+            listed = _LISTED.fullmatch(error.key)
+            own = (error.key.rsplit(".", 1)[-1],)
+            path = (*keys, *((listed[1], int(listed[2]), *filter(None, [listed[3]])) if listed else own))
             raise self.error(error.what, *path, value=error.value) from None
 
     def validated(self, model: type[M]) -> M:
@@ -151,7 +168,8 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
     order = {"extra_forbidden": 0, "missing": 2}
     fault = min(faults, key=lambda one: order.get(one["type"], 1))
     # of a value that may be of several types the last key is the type tried
-    keys = tuple(key for key in fault["loc"] if key not in ("[key]", "float", "str"))
+    tried = ("[key]", "[one]", "[steps]", "float", "str")
+    keys = tuple(key for key in fault["loc"] if key not in tried)
     match fault["type"]:
         case "extra_forbidden":
             return document.error(f"unknown; {did_you_mean(str(keys[-1]), _known(model, keys[:-1]))}", *keys)
@@ -164,6 +182,9 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
             return document.error(words, *keys, value=fault["input"])
         case "float_type" | "float_parsing":
             return document.error("not a number; give one like 0.5", *keys, value=fault["input"])
+        case "dict_type" | "model_type" if "[steps]" in fault["loc"]:
+            words = "no step; one is { from = 2.0, value = 0.1 }"
+            return document.error(words, *keys, value=fault["input"])
         case "dict_type" | "model_type":
             return _no_table(document, keys, fault["input"])
         case "list_type" if set(_leaves(_at(model, keys))) <= {float, int, str, NoneType}:

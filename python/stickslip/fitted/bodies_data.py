@@ -77,9 +77,8 @@ class BodiesData:
     offsets: Mapping[str, tuple[float, float]]
     declared: tuple[bool, ...] = ()  # whether a channel's noise is
     placed: tuple[bool, ...] = ()  # whether what is read says where a coordinate is: itself, or a force
-    followed: float = (
-        1.0  # how far the drive goes by the positions that follow it, over how far it goes as set
-    )
+    followed: float = 1.0  # the drive's way by the positions that follow it, over its way as set
+    measured: bool = False  # whether the belt's speed is what a channel read
 
     @property
     def belt_speed(self) -> float:
@@ -121,7 +120,9 @@ def prepare_bodies(
     """
     sensors = [*rig.state_names, *rig.equations.sensed]
     second = [name for name, one in runs[0].channels.items() if one.reads and name not in sensors]
-    channels = tuple(n for n in (*sensors, *second, "belt") if all(n in r.coordinates for r in runs))
+    channels = tuple(
+        n for n in (*sensors, *second, "belt") if all(n in r.coordinates and n not in r.taken for r in runs)
+    )
     for run in runs:
         if len(run.t) < FEWEST:
             raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least {FEWEST} are needed")
@@ -177,7 +178,7 @@ def _prepared(
     return BodiesData(
         run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
         reads, offsets,
-        tuple(name in run.noise for name in channels), placed, ratio,
+        tuple(name in run.noise for name in channels), placed, ratio, "belt" in run.taken,
     )  # fmt: skip
 
 

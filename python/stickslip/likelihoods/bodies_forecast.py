@@ -74,7 +74,8 @@ def forecast_bodies(
     recording
         The past.
     speeds
-        What is prescribed, of the past and of the future; the recording's where it is not named.
+        What is prescribed, of the past and of the future; the recording's where it is not named. Where that was
+        measured, of the future alone.
     horizon
         How far, in s.
 
@@ -99,7 +100,7 @@ def forecast_bodies(
         or rig.state_names != own.state_names
     ):
         raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
-    past = replace(recording, speeds={**recording.speeds, **speeds})
+    past = replace(recording, speeds={**recording.speeds, **_coming(recording, speeds)})
     run = prepare_bodies(own, [past], model.friction)[0]
     step = float(np.median(np.diff(run.t)))
     count = int(number("horizon", horizon, above=0) / step + 0.05)
@@ -121,6 +122,18 @@ def forecast_bodies(
                 raise InputError(words, key="model")
             columns[f"{name}{end}"] = recording.to_readings(name, side[:, k])
     return pd.DataFrame(columns)
+
+
+def _coming(recording: Recording, speeds: Mapping[str, Speed]) -> dict[str, Speed]:
+    """What is prescribed; what was measured stays what the past had, and what is given follows it."""
+    out = dict(speeds)
+    for key in (f"{name}_speed" for name in recording.taken):
+        if key not in speeds:
+            raise InputError(
+                "missing: the past's was measured, and tells nothing of what comes; give that", key=key
+            )
+        out[key] = recording.speeds[key].followed(speeds[key], float(recording.t[-1] - recording.t[0]))
+    return out
 
 
 def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -> BodiesForecast:

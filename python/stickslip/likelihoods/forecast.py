@@ -69,7 +69,8 @@ def forecast(
         How far to predict, in the model's unit of time, or with a unit: "0.5 s".
     belt_speed
         v_b in model units, or with a unit ("12 mm/s"): that of the recording and of what follows it. For a rig of
-        bodies or matrices it may be left out, as the recording has it, and may be a formula of t.
+        bodies or matrices it may be left out, as the recording has it, and may be a formula of t or a `Speed`. Where
+        the recording's was measured it is needed, and is that of what follows alone, by the recording's clock.
     drive_speed
         The same of the drive of such a rig.
     drive

@@ -16,16 +16,17 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.model import IN_A_FOLDER, Model
+from stickslip.declared.prescribed import Given
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import Document, read_toml
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.declared.units import Channel, default_speed_unit, speed
+from stickslip.declared.units import Channel
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.case_tables import CaseTable, RunTable, check_runs, names_of
 from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
 from stickslip.measured.findings import Finding, FindingKind
-from stickslip.measured.prescribed import prescribed
+from stickslip.measured.prescribed import prescribed, set_point_of
 from stickslip.measured.recording import Recording, Role, load_recording
 from stickslip.objects import Drawn, one_line
 
@@ -272,8 +273,7 @@ def _read_run(
     own = read_rig(document, *(("run", i, "rig") if run.rig else ("rig",)), table={**declared.rig, **run.rig})
     given = _belt_speed(document, i, run, own)
     with document.at("run", i):
-        unit = channels["belt"].unit if "belt" in channels else default_speed_unit(own)
-        speed(given, unit, own)
+        set_point_of(own, channels, given)
     return load_recording(
         document.path.parent / run.file,
         own,
@@ -301,13 +301,13 @@ def _read_general(
         words = "one rig is taken for all runs of a case of bodies or matrices; put its numbers into [rig]"
         raise document.error(words, "run", i, "rig")
     with document.at("run", i):
-        prescribed(rig, channels, run.belt_speed, run.drive_speed)
+        prescribed(rig, channels, run.speed("belt_speed"), run.speed("drive_speed"))
     return load_recording(
         document.path.parent / run.file,
         rig,
         channels=channels,
-        belt_speed=run.belt_speed if run.belt_speed is not None else 0.0,
-        drive_speed=run.drive_speed,
+        belt_speed=run.speed("belt_speed"),
+        drive_speed=run.speed("drive_speed"),
         role=run.role,
         noise=noise,
         window=(run.start, run.end),
@@ -315,13 +315,14 @@ def _read_general(
     )
 
 
-def _belt_speed(document: Document, i: int, run: RunTable, rig: AnyRig) -> float | str:
+def _belt_speed(document: Document, i: int, run: RunTable, rig: AnyRig) -> Given:
     """The set-point of a run; a driven slider has none."""
     if isinstance(rig, DrivenSlider):
         if run.belt_speed is not None:
             raise document.error("a driven slider has no belt; leave it out", "run", i, "belt_speed")
         return 0.0
-    if run.belt_speed is None:
+    given = run.speed("belt_speed")
+    if given is None:
         place, _ = document.place("run", i, "belt_speed")
         raise InputError("lacks 'belt_speed'; it needs file, role, belt_speed", place=place)
-    return run.belt_speed
+    return given

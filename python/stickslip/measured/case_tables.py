@@ -7,8 +7,9 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
+from stickslip.declared.prescribed import Given
 from stickslip.declared.toml_file import Document
 from stickslip.errors import nearest
 
@@ -21,17 +22,41 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
+class StepTable(_Strict):
+    """A step of a prescribed speed."""
+
+    start: float | str = Field(alias="from")
+    value: float | str
+
+
+def _kind_of_speed(given: object) -> str:
+    return "[steps]" if isinstance(given, list) else "[one]"
+
+
+SpeedGiven = Annotated[
+    Annotated[float | str, Tag("[one]")] | Annotated[list[StepTable], Tag("[steps]")],
+    Discriminator(_kind_of_speed),
+]
+
+
 class RunTable(_Strict):
     """A [[run]] of a case."""
 
     file: str
     role: Literal["train", "validate"]
-    belt_speed: float | str | None = None
-    drive_speed: float | str | None = None
+    belt_speed: SpeedGiven | None = None
+    drive_speed: SpeedGiven | None = None
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     rig: dict[str, float] = {}
     name: str | None = None
+
+    def speed(self, key: str) -> Given | None:
+        """Return "belt_speed" or "drive_speed" as it is written."""
+        given = getattr(self, key)
+        if isinstance(given, list):
+            return [{"from": one.start, "value": one.value} for one in given]
+        return given  # type: ignore[no-any-return]
 
 
 class CaseTable(_Strict):

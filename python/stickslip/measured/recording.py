@@ -16,11 +16,12 @@ from stickslip.arguments import explained, must_be
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import in_model
+from stickslip.declared.prescribed import Given
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import scales
 from stickslip.declared.speeds import Speed
-from stickslip.declared.units import Channel, default_speed_unit, factor, is_electric, speed
+from stickslip.declared.units import Channel, factor, is_electric
 from stickslip.errors import InputError, did_you_mean
 from stickslip.measured.channels import (
     bare_channels,
@@ -40,7 +41,7 @@ from stickslip.measured.findings import (
     size_findings,
     time_findings,
 )
-from stickslip.measured.prescribed import prescribed
+from stickslip.measured.prescribed import constant, prescribed, set_point_of, taken_from
 from stickslip.measured.readers.tables import Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
 from stickslip.objects import Sampled, one_line
@@ -92,6 +93,8 @@ class Recording(Sampled):
         them.
     speeds
         Of such a rig, what is prescribed: "belt_speed", "drive_speed". `belt_speed` is NaN where it is no number.
+    taken
+        Channels that such speeds were taken from ("belt", "drive"); they are no readings beside them.
 
     Examples
     --------
@@ -123,6 +126,7 @@ class Recording(Sampled):
     averaged: int = 1
     coordinates: Mapping[str, Floats] = field(default_factory=dict, repr=False)
     speeds: Mapping[str, Speed] = field(default_factory=dict, repr=False)
+    taken: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return self.t.size
@@ -215,8 +219,8 @@ def load_recording(
     rig: AnyRig,
     *,
     channels: Mapping[str, Channel] | None = None,
-    belt_speed: float | str = 0.0,
-    drive_speed: float | str | None = None,
+    belt_speed: Given | None = None,
+    drive_speed: Given | None = None,
     role: Role = "train",
     noise: Mapping[str, float] | None = None,
     window: tuple[float | None, float | None] = (None, None),
@@ -238,7 +242,9 @@ def load_recording(
         nondimensional.
     belt_speed
         Set-point in the unit of the belt channel; without one, m/s for an SI rig and nondimensional
-        otherwise. Text may carry a unit ("1100 um/s"); for a rig of bodies or matrices it may be a formula of t.
+        otherwise. Text may carry a unit ("1100 um/s"). For a rig of bodies or matrices also a formula of t in SI, t
+        from the first sample; a `Speed`; steps, a dict of `from` and `value` each; or "measured": what the belt channel
+        reads, smoothed. None: 0, where no belt is recorded.
     drive_speed
         The same of the drive of such a rig.
     role
@@ -299,13 +305,15 @@ def load_recording(
     check_times(columns, declared, raw)
     raw = cut(columns, declared, raw, window)
     check_gaps(columns, declared, raw)
-    speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
-    belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
     position = _position(rig, declared)
     model = {one: _in_model(column, declared[one], factors[one]) for one, column in raw.items()}
-    check_belt(columns, declared, raw, belt)
     sizes = noise_in_model(noise or {}, declared, rig)
     sizes = {one: size / math.sqrt(columns.averaged) for one, size in sizes.items()}
+    given = 0.0 if belt_speed is None and "belt" not in declared else belt_speed
+    speeds = prescribed(rig, declared, given, drive_speed, model, sizes)
+    general = isinstance(rig, GeneralRig)
+    belt = constant(speeds) if general else set_point_of(rig, declared, 0.0 if given is None else given)
+    check_belt(columns, declared, raw, belt)
     recording = Recording(
         name=name or columns.path.stem,
         role=role,
@@ -324,6 +332,7 @@ def load_recording(
         averaged=columns.averaged,
         coordinates={k: x for k, x in model.items() if k != "t"} if isinstance(rig, GeneralRig) else {},
         speeds=speeds,
+        taken=taken_from(rig, given, drive_speed),
     )
     said = [*opened.contents.doubts, *columns.doubts, *taken, *doubts]
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
@@ -344,20 +353,6 @@ def _channels(given: object) -> dict[str, Channel]:
         like = f"like Channel({str(one)!r}, 'mm')" if isinstance(one, str) else ""
         must_be(f"channels.{name}", one, Channel, like)
     return dict(channels)
-
-
-def _set_point(rig: AnyRig, channels: Mapping[str, Channel], given: float | str) -> float:
-    """The belt's speed of a named rig, in the model's numbers."""
-    unit = channels["belt"].unit if "belt" in channels else default_speed_unit(rig)
-    return speed(given, unit, rig)
-
-
-def _constant(speeds: Mapping[str, Speed]) -> float:
-    """The belt's speed of a general rig where it is a number; 0 where nothing rubs on a belt."""
-    belt = speeds.get("belt_speed")
-    if belt is None:
-        return 0.0
-    return math.nan if belt.constant is None else belt.constant
 
 
 def _position(rig: AnyRig, channels: Mapping[str, Channel]) -> str:
