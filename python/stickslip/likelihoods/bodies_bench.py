@@ -76,7 +76,7 @@ class BodiesBench:
 
 def of_run(model: Model, run: BodiesData, number: int, policy: Policy) -> list[SharedNumber]:
     """
-    Return the speeds of a run's belt and drive, which are nearly as set; none of a drive whose speed is a formula.
+    Return the speeds of a run's belt and drive, nearly as set or measured; none of a drive whose speed is a formula.
 
     The belt's is the share by which it is faster than set, for all of the run's windows: without it the gain of a
     sensor, which reads that speed in every stick, would be known as well as it is read.

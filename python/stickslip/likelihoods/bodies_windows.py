@@ -2,7 +2,7 @@
 
 Where a window begins, a contact that sticks moves with what it rubs on; all else of the state there is free. Friction
 of each contact differs from window to window, the static limit beside the kinetic force, and so does the belt's speed
-where it is a number. Derivatives are the core's.
+where it is a number or was measured. Derivatives are the core's.
 """
 
 from __future__ import annotations
@@ -26,12 +26,7 @@ from stickslip.likelihoods.bodies_own_friction import OFF, lowered, places_of
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
 from stickslip.likelihoods.bodies_starts import BodiesStart, resolved, scales_of, start_of
-from stickslip.likelihoods.contact_scatter import (
-    OWN,
-    ContactScatter,
-    differing,
-    kinds,
-)
+from stickslip.likelihoods.contact_scatter import OWN, ContactScatter, differing, kinds
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -41,10 +36,8 @@ from stickslip.simulated.sensed import everything, everything_moves, weights_mov
 Floats = NDArray[np.float64]
 BELT = "belt_speed"
 BELT_OFF = "belt_off"  # by what share a run's belt is faster than set
-STEPS_A_PERIOD, LEAST_STEPS = (
-    300,
-    1000,
-)  # of the integration, in the shortest natural period; motions take 65 at most
+# of the integration, in the shortest natural period; motions take 65 at most
+STEPS_A_PERIOD, LEAST_STEPS = 300, 1000
 
 
 class BodiesWindows(EventWindows[BodiesData, Cut]):
@@ -255,13 +248,20 @@ class RunWindows:
         for k, place in enumerate(self.effect_places):
             row = rows[of.begins + k]
             if place is None:
-                speed = self.data.belt.constant
-                row[self._place(OFF if speed is None else BELT)] = 1.0 if speed is None else speed
-                row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
+                row[:] = self._belt_row(start)
             else:
                 row[place] = 1.0
         offset[begin + n : begin + 2 * n] = start.held
         return rows, offset
+
+    def _belt_row(self, start: BodiesStart) -> Floats:
+        """What the values move by as the belt grows faster by a share of its speed; nothing where there is none."""
+        row, begin, n = np.zeros(len(self.base)), self.lowered.layout["initial"], self.of.dimension
+        if self.lowered.own.equations.on_belt:
+            speed = self.data.belt.constant
+            row[self._place(OFF if speed is None else BELT)] = 1.0 if speed is None else speed
+            row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
+        return row
 
     @cached_property
     def belt_off(self) -> float:
@@ -293,11 +293,10 @@ class RunWindows:
         """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
         of, w = self.of, self.of.stretches[i]
         rows, offset = self._own_rows(of.starts[i])
+        faster = self._belt_row(of.starts[i])
         belt = [self.of.numbers[j].name == BELT_OFF for j in self.shared]
-        values = self.base + offset + own @ rows + self.belt_off * rows[-1]
-        moved = [
-            rows[-1] if off else row for row, off in zip(self.rows, belt, strict=True) if row is not None
-        ]
+        values = self.base + offset + own @ rows + self.belt_off * faster
+        moved = [faster if off else row for row, off in zip(self.rows, belt, strict=True) if row is not None]
         seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
         layout = self.lowered.layout
         self.begins.put(values, seeds, float(self.data.t[w.start]))
