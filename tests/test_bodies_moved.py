@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 import stickslip as ss
 from bodies_cases import one_block
 from bodies_lab import Laboratory, coulomb
+from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
+from stickslip.likelihoods.bodies_bench import bench_of
+from stickslip.likelihoods.bodies_windows import RunWindows
 from stickslip.measured.straight_pieces import straight_pieces
 
 Floats = NDArray[np.float64]
@@ -131,6 +134,25 @@ def test_a_tachometer_that_reads_too_much_is_no_wrong_law(turned: dict[str, Floa
     assert isinstance(found, ss.IdentifiedRig)
     assert covers(found)
     assert found.reduced_chi2 < 1.2
+
+
+def test_a_belt_set_to_a_number_beside_one_by_a_formula_is_off_by_itself(turned: dict[str, Floats]) -> None:
+    """The share that it was off by moved the static limit."""
+    columns = {name: turned[name] for name in ("t", "x")}
+    runs = [ss.load_recording(columns, RIG, belt_speed=speed) for speed in (0.02, BY_HAND)]
+    model = ss.Model(RIG, friction=START)
+    windows = bench_of(model, runs, Uncertainty.usual(RIG, channels=runs[0].channels)).windows()
+    names = [one.name for one in windows.numbers]
+    at = np.array([one.usual if one.name != "belt_off" else 0.01 for one in windows.numbers])
+    assert names.count("belt_off") == 1
+    still = np.where([name == "belt_off" for name in names], 0.0, at)
+    point, usual = (RunWindows(windows, 0, one, [names.index("belt_off")]) for one in (at, still))
+    own = windows.first()[0]
+    (values, seeds), (plain, _) = point.started(0, own), usual.started(0, own)
+    place = usual.lowered.layout["parameters"] + usual.lowered.places["belt_speed"]
+    assert values[place] == pytest.approx(0.0202)
+    assert values - plain == pytest.approx(0.01 * seeds[0])
+    assert np.count_nonzero(seeds[0]) <= 3  # with the speed, and the way, that the window begins with
 
 
 def test_what_comes_after_a_measured_speed_must_be_given(turned: dict[str, Floats]) -> None:

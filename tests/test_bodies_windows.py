@@ -13,7 +13,7 @@ from differences import held_against_differences
 from stickslip import _core
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
-from stickslip.fitted.bodies_data import prepare_bodies, way
+from stickslip.fitted.bodies_data import prepare_bodies
 from stickslip.likelihoods import fit as fits
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.bodies_cuts import STATE, cuts
@@ -138,9 +138,9 @@ def test_a_law_with_states_is_refused() -> None:
 
 
 def test_a_drive_goes_as_far_as_its_speed_says() -> None:
-    assert way(ss.Speed.of(2.0), 3.0) == 6.0
-    assert way(ss.Speed.of("2*t"), 3.0) == pytest.approx(9.0, rel=1e-12)
-    assert way(ss.Speed.steps([0.0, 1.0], [1.0, 3.0]), 2.0) == pytest.approx(4.0, rel=1e-9)
+    assert ss.Speed.of(2.0).way(3.0) == 6.0
+    assert ss.Speed.of("2*t").way(3.0) == pytest.approx(9.0, rel=1e-12)
+    assert ss.Speed.steps([0.0, 1.0], [1.0, 3.0]).way(2.0) == pytest.approx(4.0, rel=1e-9)
 
 
 def test_a_fit_with_a_number_at_its_bound_is_at_its_best() -> None:
