@@ -14,6 +14,7 @@ from bodies_cases import one_block
 from bodies_lab import Laboratory, coulomb
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
+from stickslip.fitted.bodies_data import prepare_bodies
 from stickslip.likelihoods.bodies_bench import bench_of
 from stickslip.likelihoods.bodies_windows import RunWindows
 from stickslip.measured.straight_pieces import straight_pieces
@@ -105,6 +106,26 @@ def test_a_law_on_a_belt_that_stops_and_goes() -> None:
     ahead = ss.forecast(found.model, run.window(0, 6.5), horizon=0.4)  # the last step goes on
     true = x[len(run.window(0, 6.5)) :][: len(ahead)]
     assert np.mean((true > ahead["x_low"]) & (true < ahead["x_high"])) > 0.85
+
+
+def test_jumps_of_a_measured_belt_are_nothing_that_is_missing() -> None:
+    """When a jump came between two samples is not known; on 25 mm/s it moved a block by ten times the noise."""
+    t, states = stop_and_go()
+    rng, speed = np.random.default_rng(1), ss.Speed.steps(*zip(*STEPS, strict=True))
+    columns = {
+        "t": t,
+        "x": states[:, 0] + NOISE * rng.standard_normal(t.size),
+        "belt": speed(t) + 1e-4 * rng.standard_normal(t.size),
+    }
+    run = ss.load_recording(columns, RIG, belt_speed="measured")
+    (data,) = prepare_bodies(RIG, [run])
+    assert data.leaps == [int(np.searchsorted(t, begin - 1e-9)) for begin, _ in STEPS[1:]]
+    (late,) = prepare_bodies(RIG, [run.window(0.5, 9.0)])
+    assert late.leaps == [one - 125 for one in data.leaps]
+    found = ss.identify(run, friction=START)
+    assert isinstance(found, ss.IdentifiedRig)
+    assert covers(found)
+    assert found.reduced_chi2 == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_belt_that_was_measured_tells_as_its_formula_does(turned: dict[str, Floats]) -> None:

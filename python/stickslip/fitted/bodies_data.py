@@ -81,6 +81,16 @@ class BodiesData:
     measured: bool = False  # whether the belt's speed is what a channel read
 
     @property
+    def leaps(self) -> list[int]:
+        """First samples after a measured belt's speed jumped between two: when in between it did, nothing says."""
+        if not self.measured or self.belt.constant is not None:
+            return []
+        ends = np.searchsorted(self.t, np.array(self.belt.begins) - 0.25 * float(np.median(np.diff(self.t))))
+        return [
+            int(b) for a, b in zip(ends[:-1], ends[1:], strict=True) if b - a == 1 and 1 < b < len(self.t) - 1
+        ]
+
+    @property
     def belt_speed(self) -> float:
         """The prescribed speed that moves the rig, where it is a number; else that at the start."""
         one = self.drive if self.belt.constant == 0 else self.belt

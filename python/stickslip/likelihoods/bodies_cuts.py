@@ -1,4 +1,7 @@
-"""Windows of a rig of several contacts: from mid-stick to mid-stick, else of a natural period."""
+"""Windows of a rig of several contacts: from mid-stick to mid-stick, else of a natural period.
+
+Where a measured belt jumps between two samples a window begins too: how far the belt went meanwhile is not known.
+"""
 
 from __future__ import annotations
 
@@ -77,6 +80,7 @@ def _of_run(number: int, run: BodiesData, policy: Policy) -> list[Cut]:
     places = sorted([*places, *_brief(run, places)])
     if len(places) < 2 or run.t[places[-1]] - run.t[places[0]] < COVERED * run.t[-1]:
         places = [0, *places, end]
+    places = sorted({*places, *(one for one in run.leaps if places[0] < one < places[-1])})
     out = [places[0]]
     for a, b in zip(places[:-1], places[1:], strict=True):
         if run.t[b] - run.t[a] > LONGEST * length:
