@@ -121,3 +121,11 @@ def test_a_speed_may_be_a_formula(tmp_path: Path) -> None:
     )
     run = ss.load_case(path).runs[0]
     assert float(run.speeds["drive_speed"](0.5)) == pytest.approx(1.2 + 0.1 * np.sin(0.5))
+
+
+def test_a_notebook_shows_a_case_and_its_run(tmp_path: Path) -> None:
+    """It ended in a KeyError."""
+    case = ss.load_case(drill(tmp_path))
+    assert "drive speed 1.25664" in case._repr_html_()
+    assert "0.99 s" in case._repr_html_()
+    assert "100 samples, 0.01 s apart; drive speed 1.25664" in case.runs[0]._repr_html_()

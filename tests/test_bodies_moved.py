@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import stickslip as ss
 from bodies_cases import one_block
-from bodies_lab import Laboratory, coulomb
+from bodies_lab import Laboratory, at_rest, coulomb
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import prepare_bodies
@@ -226,6 +226,38 @@ def test_a_drive_goes_where_it_was_read_to_go() -> None:
         assert run.taken == ("drive",)
         off.append(np.abs(run.speeds["drive_speed"].way(t) - come).max())
     assert off[1] < 8e-5 < off[0]
+
+
+def test_a_slider_pulled_by_a_measured_drive() -> None:
+    pulled = ss.BodiesRig(
+        body={"x": ss.Body(mass=0.5)},
+        link=[ss.Link(between=("x", "drive"), stiffness=500.0, damping=0.5)],
+        contact=[ss.Contact(body="x")],
+    )
+    t, rng = np.arange(0, 6, DT), np.random.default_rng(3)
+    speed, come = 0.02 + 0.012 * np.sin(0.9 * t), 0.02 * t + 0.012 / 0.9 * (1 - np.cos(0.9 * t))
+
+    def force(s: float, _z: Floats) -> Floats:
+        way = 0.02 * s + 0.012 / 0.9 * (1 - np.cos(0.9 * s))
+        return np.array([500.0 * way + 0.5 * (0.02 + 0.012 * np.sin(0.9 * s))])
+
+    laboratory = Laboratory(
+        M=np.array([[0.5]]), C=np.array([[0.5]]), K=np.array([[500.0]]), D=np.array([[1.0]]),
+        laws=[coulomb(4.0, 2.4)], kinetic=[], static=[], V=[at_rest], force=np.zeros(1), more=force,
+    )  # fmt: skip
+    columns = {
+        "t": t,
+        "x": laboratory.record(np.zeros(2), t)[:, 0] + NOISE * rng.standard_normal(t.size),
+        "drive": 1.003 * speed + 2e-4 * rng.standard_normal(t.size),
+        "x_drive": 0.1 + come + NOISE * rng.standard_normal(t.size),
+    }
+    columns["x"] += 0.1  # both are counted from elsewhere
+    run = ss.load_recording(columns, pulled, drive_speed="measured")
+    found = ss.identify(run, friction=START)
+    assert isinstance(found, ss.IdentifiedRig)
+    assert covers(found)
+    assert found.reduced_chi2 == pytest.approx(1.0, abs=0.15)
+    assert set(found.noise) == {"x"}
 
 
 @settings(max_examples=20, deadline=None)

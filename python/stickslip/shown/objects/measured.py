@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from stickslip.declared.scale import scales
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.scale import Scale, scales
 from stickslip.declared.units import Channel
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
@@ -23,7 +24,7 @@ def _channel(one: Channel) -> Description:
 
 @describe.register
 def _recording(one: Recording) -> Description:
-    units, t = scales(one.rig, one.channels), one.raw["t"]
+    t = one.raw["t"]
     rows: list[Row] = [
         (
             name,
@@ -42,15 +43,30 @@ def _recording(one: Recording) -> Description:
     apart = (
         f", {float(np.median(np.diff(t))):.4g} {_bare(one.channels['t'].unit)} apart" if len(one) > 1 else ""
     )
-    belt = "" if one.drive is not None else f"; belt speed {units['belt'].of(one.belt_speed)}"
+    moved = f"; {told}" if (told := _moved(one, "belt speed ")) else ""
     return Description(
-        title=f"Recording '{one.name}' ({one.role}): {len(one)} samples{apart}{belt}",
+        title=f"Recording '{one.name}' ({one.role}): {len(one)} samples{apart}{moved}",
         heads=("channel", "column", "least", "greatest", "unit", "noise"),
         rows=rows,
         notes=[str(finding) for finding in one.findings],
         samples=samples,
         draw=lambda ax: _over_time(ax, one),
     )
+
+
+def _moved(one: Recording, named: str = "") -> str:
+    """How fast what moves the rig goes; `named` stands before the belt's speed of a named rig."""
+    if isinstance(one.rig, GeneralRig):
+        return ", ".join(f"{key.replace('_', ' ')} {speed.text}" for key, speed in one.speeds.items())
+    return (
+        "" if one.drive is not None else f"{named}{scales(one.rig, one.channels)['belt'].of(one.belt_speed)}"
+    )
+
+
+def _span(one: Recording) -> str:
+    length = float(one.t[-1] - one.t[0]) if len(one) else 0.0
+    unit = Scale(1.0, "s") if isinstance(one.rig, GeneralRig) else scales(one.rig, one.channels)["t"]
+    return unit.of(length, 4) if len(one) else "nothing"
 
 
 def _bare(unit: str) -> str:
@@ -75,16 +91,19 @@ def _over_time(ax: Axes, one: Recording) -> None:
 def _case(one: Case) -> Description:
     rows: list[Row] = []
     for run in one.runs:
-        units = scales(run.rig, run.channels)
-        span = units["t"].of(float(run.t[-1] - run.t[0]), 4) if len(run) else "nothing"
-        rows.append(
-            (run.name, run.role, units["belt"].of(run.belt_speed), len(run), span, len(run.findings) or None)
-        )
+        rows.append((run.name, run.role, _moved(run), len(run), _span(run), len(run.findings) or None))
     law = one.declared_law
     declared = "no law declared" if law is None else f"{law.kind} friction"
     return Description(
         title=f"Case '{one.title}': {type(one.rig).__name__}, {declared}, {len(one.runs)} runs",
-        heads=("run", "role", "belt speed", "samples", "over", "findings"),
+        heads=(
+            "run",
+            "role",
+            "speeds" if isinstance(one.rig, GeneralRig) else "belt speed",
+            "samples",
+            "over",
+            "findings",
+        ),
         rows=rows,
         notes=one.findings,
         draw=lambda ax: _over_time(ax, one.runs[0]),
