@@ -47,11 +47,13 @@ class Document:
         )  # the key of a list that goes on over lines, its entry, and how deep it is in
         for number, text in enumerate(self.text.splitlines(), start=1):
             bare = _QUOTED.sub("", text).partition("#")[0]
-            header = None if depth else _HEADER.match(text)
+            header = _HEADER.match(text)
+            if header and depth and ("," in header[2] or not header[2][0].isalpha()):
+                header = None  # a row of a matrix
             assigned = None if depth else _ASSIGNED.match(text)
             paths = list[tuple[Key, ...]]()
             if header:
-                table = _parts(header[2])
+                table, depth = _parts(header[2]), 0
                 if header[1] == "[[":
                     counts[header[2]] = counts.get(header[2], -1) + 1
                     table = (*table, counts[header[2]])
