@@ -51,7 +51,7 @@ SIDES: Mapping[Branch, tuple[str, str, float]] = {
 
 
 @dataclass(frozen=True)
-class Material:
+class DrivenMaterial:
     """What is identified from: a declared model, its runs, what was given of its law, how well constants are known."""
 
     model: Model
@@ -125,7 +125,7 @@ def identify_driven(
 
 def _material(
     source: Case | Recording | Sequence[Recording], rig: AnyRig | None, friction: FrictionLaw | None
-) -> Material:
+) -> DrivenMaterial:
     if isinstance(source, Case):
         model = source.model(friction=friction)
         train, validate = ([r for r in source.runs if r.role == role] for role in ("train", "validate"))
@@ -147,10 +147,10 @@ def _material(
     train, less = thinned(train, own, MOST_SEARCHED)
     validate, more = thinned(validate, own, MOST_SEARCHED) if validate else (validate, ())
     given = given_numbers(model.friction, undeclared)
-    return Material(model, train, validate, given, known, (*less, *more))
+    return DrivenMaterial(model, train, validate, given, known, (*less, *more))
 
 
-def _found(material: Material, shown: BandedBalance, fit: MotionFit, lacks: Lacking) -> Identified:
+def _found(material: DrivenMaterial, shown: BandedBalance, fit: MotionFit, lacks: Lacking) -> Identified:
     """What a fit says, but for sentences."""
     fitted, force = shown.balance, fit.noise.std * fit.law.mass
     covariance = law_covariance(fitted, fit)
@@ -186,7 +186,7 @@ def _found(material: Material, shown: BandedBalance, fit: MotionFit, lacks: Lack
 
 
 def _law(
-    material: Material, fitted: Balance, fit: MotionFit, covariance: Floats
+    material: DrivenMaterial, fitted: Balance, fit: MotionFit, covariance: Floats
 ) -> tuple[CoulombFriction, dict[str, Estimate]]:
     """The law, and estimates of its numbers, of the damping, and of a mass that is not exact."""
     numbers, known = intervals(fitted, fit).law, fitted.declared.uncertainty
