@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names, substituted
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.likelihoods.policy import Policy
@@ -112,8 +112,11 @@ def scattering(law: LawForm, place: int) -> LawForm:
         slides, begins = one.kinetic, substituted(one.kinetic, AT_SLOW)
         limit = one.static or begins
         if (peak := _of_slow_sliding(law, slides, limit)) is not None:
-            slides = substituted(slides, {peak: Apply("add", (Name(peak), times(Name(static), begins)))})
-        holds = Apply("max", (times(more, limit), substituted(slides, AT_SLOW)))
+            top = begins if names(limit) & {"dwell", "t"} else limit  # the same, and what is shorter
+            slides = substituted(slides, {peak: Apply("add", (Name(peak), times(Name(static), top)))})
+            holds = times(more, limit)
+        else:
+            holds = Apply("max", (times(more, limit), begins))
         return BranchForm(times(level, slides), times(level, holds), rates=one.rates)
 
     numbers = {**law.numbers, kinetic: 0.0, static: 0.0}
