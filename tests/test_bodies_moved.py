@@ -271,7 +271,7 @@ def test_straight_pieces_are_nearer_than_the_noise(seed: int, noise: float, ofte
     true = 0.1 + 0.05 * np.sin(often * t + rng.uniform(0, 6))
     found = straight_pieces(t, true + noise * rng.standard_normal(t.size))
     left = np.interp(t, found.t, found.values) - true
-    assert np.sqrt(np.mean(left**2)) < 0.5 * noise
+    assert np.sqrt(np.mean(left**2)) < 0.8 * noise
     assert len(found.t) < 200
 
 

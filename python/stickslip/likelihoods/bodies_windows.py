@@ -208,9 +208,8 @@ class RunWindows:
 
     def _of_rig(self, name: str) -> Floats:
         """What the values move by with a constant of the rig; runs differ in the numbers that follow the rig's."""
-        out, rig = np.zeros(len(self.lowered.values)), self.lowered.layout["parameters"]
-        out[:rig] = self.of.of_rig[name][:rig]
-        return out
+        rig = self.lowered.layout["parameters"]
+        return np.pad(self.of.of_rig[name][:rig], (0, len(self.lowered.values) - rig))
 
     def _place(self, name: str) -> int:
         return self.lowered.layout["parameters"] + self.lowered.places[name]
@@ -248,20 +247,13 @@ class RunWindows:
         for k, place in enumerate(self.effect_places):
             row = rows[of.begins + k]
             if place is None:
-                row[:] = self._belt_row(start)
+                speed = self.data.belt.constant
+                row[self._place(OFF if speed is None else BELT)] = 1.0 if speed is None else speed
+                row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
             else:
                 row[place] = 1.0
         offset[begin + n : begin + 2 * n] = start.held
         return rows, offset
-
-    def _belt_row(self, start: BodiesStart) -> Floats:
-        """What the values move by as the belt grows faster by a share of its speed; nothing where there is none."""
-        row, begin, n = np.zeros(len(self.base)), self.lowered.layout["initial"], self.of.dimension
-        if self.lowered.own.equations.on_belt:
-            speed = self.data.belt.constant
-            row[self._place(OFF if speed is None else BELT)] = 1.0 if speed is None else speed
-            row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
-        return row
 
     @cached_property
     def belt_off(self) -> float:
@@ -293,10 +285,11 @@ class RunWindows:
         """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
         of, w = self.of, self.of.stretches[i]
         rows, offset = self._own_rows(of.starts[i])
-        faster = self._belt_row(of.starts[i])
         belt = [self.of.numbers[j].name == BELT_OFF for j in self.shared]
-        values = self.base + offset + own @ rows + self.belt_off * faster
-        moved = [faster if off else row for row, off in zip(self.rows, belt, strict=True) if row is not None]
+        values = self.base + offset + own @ rows + self.belt_off * rows[-1]
+        moved = [
+            rows[-1] if off else row for row, off in zip(self.rows, belt, strict=True) if row is not None
+        ]
         seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
         layout = self.lowered.layout
         self.begins.put(values, seeds, float(self.data.t[w.start]))
@@ -380,12 +373,8 @@ class RunWindows:
         factor, moves = self.begins.rippling(BELT, {**self.named, "t": t})
         read[:, c] = speed * factor * faster
         for i, j in enumerate(self.shared):
-            if self.rows[i] is None:
-                continue
-            if (name := self.of.numbers[j].name) == BELT_OFF:
-                by[:, c, i] = speed * factor
-            elif name in moves:
-                by[:, c, i] = speed * moves[name] * faster
+            if self.rows[i] is not None and (name := self.of.numbers[j].name) in (BELT_OFF, *moves):
+                by[:, c, i] = speed * (factor if name == BELT_OFF else moves[name] * faster)
         if local and wobbles:
             by[:, c, -1] = speed * factor
 
