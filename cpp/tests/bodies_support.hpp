@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 
 #include "stickslip/bodies/machine.hpp"
@@ -52,7 +53,9 @@ BodiesRun<T> run_bodies(const Bodies& bodies, const std::vector<double>& values,
   const std::unique_ptr<void, decltype(&std::free)> memory(std::aligned_alloc(64, (count.used + 63) / 64 * 64),
                                                            std::free);
   Arena arena{static_cast<std::byte*>(memory.get()), 0};
+  std::memset(memory.get(), 0xFF, count.used);  // not numbers: what is read before it is written shows
   BodiesMachine<T> machine = lay_out(arena);
+  for (auto& t : machine.chatter.recent) t = 1e300;
   for (int i = 0; i < sys.at.size; ++i) sys.values[i] = T(values[static_cast<std::size_t>(i)]);
   vary(sys.values);
   build(sys);

@@ -12,11 +12,12 @@ constexpr double chatter_span = 1e-9;
 template <class R>
 struct Chatter {
   R recent[chatter_window];
+  long seen = 0;  // its own count: only what it was shown is in `recent`
 
-  // Takes the time of change n = 1, 2, ...
-  bool sees(long n, const R& t, const R& frequency) {
-    R& slot = recent[n % chatter_window];
-    const bool dense = n > chatter_window && t - slot < chatter_span / frequency;
+  // Takes the time of a change.
+  bool sees(const R& t, const R& frequency) {
+    R& slot = recent[seen % chatter_window];
+    const bool dense = seen++ >= chatter_window && t - slot < chatter_span / frequency;
     slot = t;
     return dense;
   }

@@ -15,7 +15,7 @@ struct Member {
   Mode mode;
   Side on[watch_count];  // of the surfaces it has just left
   double limit;          // time at which it must be looked at: `after`, then t_end
-  long index, changes;
+  long index;
   Chatter<double> chatter;
   Tally tally;
 };
@@ -55,7 +55,7 @@ inline void start_member(const SweepRequest& q, const Common& common, Member& m,
   for (Side& side : m.on) side = Side::none;
   m.mode = Mode{};
   set_modes(m.sys, m.s, m.mode, m.on, 2, scratch);
-  m.changes = 0;
+  m.chatter.seen = 0;
   clear(m.tally);
   m.limit = q.after > 0 ? q.after : q.t_end;
 }
@@ -114,8 +114,8 @@ inline Outcome change(const SweepRequest& q, Member& m, int id, Side through, Pi
   change_mode(m.sys, m.s, m.mode, m.on, id, through, scratch);
   if (before != m.mode.contact && m.limit >= q.t_end)
     observe_transition(m.tally, q.points, before, m.mode.contact, m.s.t, m.s.z);
-  if (m.chatter.sees(++m.changes, m.s.t, natural_frequency(m.sys))) return Outcome::chatter;
-  return m.changes < q.max_transitions ? Outcome::finished : Outcome::too_many_transitions;
+  if (m.chatter.sees(m.s.t, natural_frequency(m.sys))) return Outcome::chatter;
+  return m.chatter.seen < q.max_transitions ? Outcome::finished : Outcome::too_many_transitions;
 }
 
 // Where a member is after a step: does it go on? Then the outcome is `finished` and its time below its limit.

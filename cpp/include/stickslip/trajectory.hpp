@@ -81,9 +81,8 @@ struct Machine {
         const bool kink = before.contact == mode.contact;
         ++(kink ? summary.kinks : summary.transitions);
         changed(*this, before, kink);
-        const long changes = summary.transitions + summary.kinks;
-        if (chatter.sees(changes, value(s.t), natural_frequency(sys))) return finish(Outcome::chatter);
-        if (changes >= opt.max_transitions) return finish(Outcome::too_many_transitions);
+        if (chatter.sees(value(s.t), natural_frequency(sys))) return finish(Outcome::chatter);
+        if (summary.transitions + summary.kinks >= opt.max_transitions) return finish(Outcome::too_many_transitions);
       }
       stepped(*this);
       if (last && !exit.found) break;

@@ -95,9 +95,8 @@ struct BodiesMachine {
         for (int j = 0; j < sys.contacts; ++j) kink = kink && before[j] == sys.contact[j].mode;
         ++(kink ? summary.kinks : summary.transitions);
         changed(*this, kink);
-        const long changes = summary.transitions + summary.kinks;
-        if (!corner && chatter.sees(changes, value(s.t), pace)) return finish(Outcome::chatter);
-        if (changes >= opt.max_transitions) return finish(Outcome::too_many_transitions);
+        if (!corner && chatter.sees(value(s.t), pace)) return finish(Outcome::chatter);
+        if (summary.transitions + summary.kinks >= opt.max_transitions) return finish(Outcome::too_many_transitions);
       }
       stepped(*this);
       if (ends) break;
