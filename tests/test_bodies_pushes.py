@@ -69,6 +69,18 @@ def test_a_force_by_a_formula_moves_as_scipy_says(force: str, same: Callable, st
     np.testing.assert_allclose(ours, theirs, atol=3e-8)
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_surfaces_that_are_met_together_are_passed_together(seed: int) -> None:
+    """By rounding alone the trajectory was on the one side of abs(q0) and on the other of sign(q0), without end."""
+    rng = np.random.default_rng(seed)
+    start, k = rng.uniform(-0.5, 0.5, 2).tolist(), float(rng.uniform(0.5, 3.0))
+    run = rig(Push([1.0], "0 - 5*max(0, abs(q0) - 0.2)*sign(q0)"), k=k).run(
+        start, 100.0, t_eval=[100.0], **TIGHT
+    )
+    assert run["outcome"] == _core.Outcome.finished
+    assert (np.diff(run["kink_t"]) > 0).all()
+
+
 def test_a_force_on_two_coordinates_at_once() -> None:
     K = np.array([[2.0, -1.0], [-1.0, 2.0]])
     bodies = Bodies(

@@ -7,6 +7,8 @@ namespace stickslip::inline STICKSLIP_ISA {
 
 constexpr double same_bound = 1e-12;  // bounds of u nearer than this, relatively, are one: knots that two pieces share
 
+constexpr double together = 1e-14;  // of the motion of a surface over a piece: what is as near to zero is zero
+
 constexpr double rest_rounding = 1e-14;  // a compliant contact that moves less than this share of its motion stands
 
 inline int release_direction(int id) { return id % 2 == 0 ? slips_minus : slips_plus; }
@@ -65,17 +67,35 @@ void change_contact(BodiesSystem<T>& sys, BodiesState<T>& s, int id, Side side, 
   settle(sys, s, on);
 }
 
+// Is S of a piece zero at its end, to rounding, and on its way out?
 template <class T>
-void change_surface(BodiesSystem<T>& sys, BodiesState<T>& s, int id, Side side, Side* on) {
-  const auto turn = [&](Tape<T>& tape) {
-    const int node = id - tape.first_id;
-    if (node < 0 || node >= tape.formulas->count) return;
-    tape.node[node].side = static_cast<signed char>(-tape.node[node].side);
-  };
-  for (int j = 0; j < sys.contacts; ++j)
-    for (Tape<T>& tape : sys.contact[j].tape) turn(tape);
-  for (int e = 0; e < sys.pushes; ++e) turn(sys.push[e].tape);
-  on[id] = opposite(side);
+bool met_too(const Watch<T>& w, int order, const Real<T>& h) {
+  using R = Real<T>;
+  const R slope = value(evaluate_slope(w.c, order, h));
+  R scale = magnitude(value(w.c[0])), power = h;
+  for (int k = 1; k <= order; ++k, power *= h) scale += magnitude(value(w.c[k])) * power;
+  const bool outwards = w.has_lo ? slope < 0 : slope > 0;
+  return outwards && magnitude(value(evaluate(w.c, order, h))) <= scale * together;
+}
+
+// Surfaces of formulas that are met at the same time, such as abs(q) and sign(q), are passed together: the others would
+// be passed after no time, which would take the trajectory off the first.
+template <class T>
+void change_surface(BodiesSystem<T>& sys, BodiesState<T>& s, const Exit<T>& exit, const Watch<T>* watch, int watches,
+                    int order, Side* on) {
+  for (int w = 0; w < watches; ++w) {
+    const int id = watch[w].id;
+    if (w != exit.watch && (id < 2 * sys.contacts || !met_too(watch[w], order, exit.t))) continue;
+    const auto turn = [&](Tape<T>& tape) {
+      const int node = id - tape.first_id;
+      if (node < 0 || node >= tape.formulas->count) return;
+      tape.node[node].side = static_cast<signed char>(-tape.node[node].side);
+    };
+    for (int j = 0; j < sys.contacts; ++j)
+      for (Tape<T>& tape : sys.contact[j].tape) turn(tape);
+    for (int e = 0; e < sys.pushes; ++e) turn(sys.push[e].tape);
+    on[id] = watch[w].has_lo ? Side::upper : Side::lower;
+  }
   look(sys, s);
 }
 

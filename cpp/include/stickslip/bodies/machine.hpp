@@ -89,7 +89,7 @@ struct BodiesMachine {
         } else if (met < 2 * sys.contacts) {
           change_contact(sys, s, met, exit.side, partner, on);
         } else {
-          change_surface(sys, s, met, exit.side, on);
+          change_surface(sys, s, exit, watch, watches, order, on);
         }
         bool kink = true;
         for (int j = 0; j < sys.contacts; ++j) kink = kink && before[j] == sys.contact[j].mode;
