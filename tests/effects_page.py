@@ -111,6 +111,8 @@ def anywhere(kind: EffectKind) -> str:
     place = "belt or drive" if acts.of_belt else PUT_TO[acts.place]
     said = "; ".join(words.format(f"`{text}`") for key, words in ADDS.items() if (text := getattr(acts, key)))
     said = said.replace("friction times", "speed times") if acts.of_belt else said
+    if acts.sharp:
+        said += f"; with {acts.sharp[0]} = 0 the dry friction {acts.sharp[1]} of a contact of its own, which sticks"
     said += "".join(f", {name}' = `{rate}`" for name, (rate, _) in acts.states.items())
     return f"| `{kind.name}` | {place} | {said} |"
 

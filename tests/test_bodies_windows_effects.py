@@ -25,6 +25,8 @@ PLACED = [
     ("pin", "belt_speed_ripple", "belt", {"a": 0.05, "w": 30.0, "phi": 0.4}),
     ("pin", "stribeck_peak", "contact_1", {"dT": 0.4, "v_s": 0.05}),
     ("pin", "harmonic_forcing", "across", {"a": 0.1, "w": 50.0, "phi": 1.0}),
+    ("pin", "pivot_dry_friction", "across", {"f": 0.06}),
+    ("drill", "pivot_dry_friction", "link_1", {"f": 0.1}),
     ("drill", "spring_cubic_k1", "link_1", {"k": 2.0}),
     ("drill", "block_quadratic_damping", "table", {"c": 0.05}),
     ("drill", "belt_speed_ripple", "drive", {"a": 0.02, "w": 3.0, "phi": 0.4}),

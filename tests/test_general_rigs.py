@@ -275,7 +275,7 @@ def test_a_case_of_a_named_rig_under_a_formula_is_refused_in_a_line(tmp_path: Pa
 
 def test_effects_and_laws_that_do_not_go_with_a_rig_are_refused() -> None:
     effect = ss.effect("block_viscous_damping", c=0.5)
-    with pytest.raises(InputError, match="dry friction of a body is a contact"):
+    with pytest.raises(InputError, match="pivot_dry_friction: acts on the same direction as contact 1"):
         ss.Model(BODIES, friction=ss.CoulombFriction(), effects=[ss.effect("pivot_dry_friction", f=0.1)])
     with pytest.raises(InputError, match="does not act under the law 'stribeck'"):
         ss.Model(ss.BlockOnBelt(), friction=STRIBECK, effects=[effect])

@@ -1,10 +1,10 @@
 """Twelve laboratory cases of rigs that are not the named ones, drawn, searched and scored.
 
-    python bench/discovery/general.py OUT --seed 1 [--unlisted]
+    python bench/discovery/general.py OUT --seed 1 [--others | --unlisted]
 
 draws two cases with an effect and two without of each rig, runs `stickslip discover` on each, and writes OUT/table.md.
-Cases and reports that are there already are kept. With `--unlisted` a case of every effect of theirs that is on no list
-is drawn instead.
+Cases and reports that are there already are kept. With `--others` three cases of each of their other effects are drawn
+instead, with `--unlisted` one of each of theirs that is on no list.
 """
 
 from __future__ import annotations
@@ -18,16 +18,24 @@ from general_draw import PLANS, write_case
 
 from run import discover
 
+OTHERS = 3  # cases of each other effect
 EACH = 2  # cases with an effect, and as many without, of each rig
 HEAD = "| case | acts | found | exact | interval covers | error before, after, floor | seconds |"
 
 
-def draw(cases: Path, seed: int, *, unlisted: bool = False) -> list[dict[str, Any]]:
-    """Draw what is not there yet; with `unlisted` a case of every effect on no list instead."""
+def draw(cases: Path, seed: int, *, others: bool = False, unlisted: bool = False) -> list[dict[str, Any]]:
+    """Draw what is not there yet; with `others` or `unlisted` cases of these effects instead."""
     answers = cases / "answers.json"
     if answers.exists():
         return list(json.loads(answers.read_text())["cases"])
     truths = []
+    if others:
+        for k, (name, plan) in enumerate(PLANS.items()):
+            for i in range(OTHERS * len(plan().others)):
+                folder, own = cases / f"{name}_other_{i + 1}", 1000 * seed + 700 + 10 * k + i
+                truths.append(write_case(folder, name, own, effect=True, other=i // OTHERS))
+        answers.write_text(json.dumps({"cases": truths}, indent=1))
+        return truths
     if unlisted:
         for k, (name, plan) in enumerate(PLANS.items()):
             for i in range(len(plan().unlisted)):
@@ -78,12 +86,13 @@ def said(pairs: object) -> str:
 @click.command()
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--seed", default=1, show_default=True)
+@click.option("--others", is_flag=True, help="Draw their other effects instead.")
 @click.option("--unlisted", is_flag=True, help="Draw effects that are on no list instead.")
 @click.option("--limit", default=3000.0, show_default=True, help="Seconds after which a case is stopped.")
-def main(out: Path, seed: int, unlisted: bool, limit: float) -> None:
+def main(out: Path, seed: int, others: bool, unlisted: bool, limit: float) -> None:
     """Draw, discover, score; everything is left in OUT."""
     (out / "cases").mkdir(parents=True, exist_ok=True)
-    truths = draw(out / "cases", seed, unlisted=unlisted)
+    truths = draw(out / "cases", seed, others=others, unlisted=unlisted)
     rows, lines = [], [HEAD, "|---|---|---|---|---|---|---|"]
     for truth in truths:
         name = truth["case"]

@@ -49,6 +49,9 @@ class Plan:
     settling: float
     effects: tuple[tuple[str, str, Callable[[np.random.Generator], Mapping[str, float]]], ...]
     start: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[
+        tuple[str, str, Callable[[np.random.Generator], Mapping[str, float]]], ...
+    ] = ()  # drawn if asked for
     # place, and its formula
     unlisted: tuple[tuple[str, Callable[[np.random.Generator], Mapping[str, Any]]], ...] = ()
 
@@ -119,8 +122,21 @@ v_s = 1.2
         ("link_1", _of("force", "-k*deflection*abs(deflection)", k=(30.0, 45.0))),
         ("link_1", _of("force", "k*exp(-(deflection/d)**2)*deflection", k=(12.0, 18.0), d=(0.12, 0.2))),
     )
+    others = (("pivot_dry_friction", "link_1", _sizes(f=(0.08, 0.15))),)
     return Plan(
-        rig, laws, table, "drive_speed", 1.26, channels, 1e-3, 0.01, 10.0, 4.0, effects, unlisted=unlisted
+        rig,
+        laws,
+        table,
+        "drive_speed",
+        1.26,
+        channels,
+        1e-3,
+        0.01,
+        10.0,
+        4.0,
+        effects,
+        others=others,
+        unlisted=unlisted,
     )
 
 
@@ -210,8 +226,21 @@ kinetic = 2.2
         ("along", _of("force", "-k*max(deflection - d, 0)", k=(250.0, 400.0), d=(2e-3, 3e-3))),
         ("along", _of("reading", "reading + q*reading**3", q=(2.5e3, 4e3))),
     )
+    others = (("pivot_dry_friction", "across", _sizes(f=(0.03, 0.06))),)
     return Plan(
-        rig, laws, table, "belt_speed", 0.05, channels, 1e-5, 0.002, 3.0, 0.5, effects, unlisted=unlisted
+        rig,
+        laws,
+        table,
+        "belt_speed",
+        0.05,
+        channels,
+        1e-5,
+        0.002,
+        3.0,
+        0.5,
+        effects,
+        others=others,
+        unlisted=unlisted,
     )
 
 
@@ -248,11 +277,11 @@ class Rig:
 
     def record(self, initial: Array, times: Array) -> tuple[Array, dict[str, Array]]:
         """States at the times (n, d), and what the sensors read that effects act on."""
-        layout, count = self.lowered.layout, len(self.own.equations.contacts)
+        layout, count = self.lowered.layout, self.own.of_rig
         values = self.lowered.started(self.own.start(initial, {}, 0.0))
         for j in range(count):
             self._draw(values, j)
-        t, modes, out = 0.0, [2] * count, list[Array]()
+        t, modes, out = 0.0, self.own.modes([2] * count), list[Array]()
         while t < times[-1]:
             asked = times[times > t] if out else times[times >= t]
             raw = _core.simulate_bodies(
@@ -262,7 +291,7 @@ class Rig:
             )  # fmt: skip
             if raw["outcome"] != _core.Outcome.finished:
                 raise RuntimeError(f"the rig stops at {raw['t'][-1]}")
-            rests = (raw["transition_before"] != 0) & (raw["transition_after"] == 0)
+            rests = ((raw["transition_before"] != 0) & (raw["transition_after"] == 0))[:, :count]
             first = int(np.argmax(rests.any(axis=1))) if rests.any() else None
             stop = float(times[-1]) if first is None else float(raw["transition_t"][first])
             out.append(raw["state"][np.isin(raw["t"], asked) & (raw["t"] <= stop)])
@@ -297,15 +326,17 @@ class Rig:
 
 
 def write_case(
-    folder: Path, name: str, seed: int, *, effect: bool, unlisted: int | None = None
+    folder: Path, name: str, seed: int, *, effect: bool, other: int | None = None, unlisted: int | None = None
 ) -> dict[str, Any]:
-    """Write a case; return its truth. With `unlisted` the effect on no list of that number acts."""
+    """Write a case; return its truth. With `other` or `unlisted` the effect of that number of these acts."""
     rng, plan = np.random.default_rng([seed, 71]), PLANS[name]()
     rig = _true_rig(plan, rng)
     truth: dict[str, Any] = {"case": folder.name, "rig": name, "effects": []}
     drawn: tuple[str, str, Mapping[str, float]] | None = None
     if effect:
-        kind, where, sizes = plan.effects[int(rng.integers(len(plan.effects)))]
+        kind, where, sizes = (
+            plan.effects[int(rng.integers(len(plan.effects)))] if other is None else plan.others[other]
+        )
         drawn = kind, where, sizes(rng)
         truth["effects"] = [{"name": kind, "where": where, "parameters": dict(drawn[2])}]
     formula: ss.FormulaEffect | None = None

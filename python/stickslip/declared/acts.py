@@ -32,6 +32,8 @@ class Acts:
         A factor of a prescribed speed, not of a contact's friction.
     gain
         Factor of the force F of a driven slider's drive: F, position and t.
+    sharp
+        Names of two numbers: where the first is 0, the second is the friction of a contact of its own, which sticks.
     refused
         Why it acts on no such rig, and what would do instead.
     """
@@ -45,6 +47,7 @@ class Acts:
     states: Mapping[str, tuple[str, str]] = field(default_factory=dict, hash=False)
     of_belt: bool = False
     gain: str | None = None
+    sharp: tuple[str, str] | None = None
     refused: str | None = None
 
     @property

@@ -13,6 +13,7 @@ from stickslip.declared.laws import LAWS
 from stickslip.declared.placed import Places, placed
 from stickslip.declared.rig import AnyRig, only_simulated
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
+from stickslip.declared.rubbing import rubbing, with_contacts
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
 
@@ -78,8 +79,7 @@ def check_placed(rig: AnyRig, own: Equations, order: Sequence[int], effects: Seq
         As said, with the nearest name.
     """
     places = Places(rig, own, order)
-    for one in effects:
-        placed(one, places)
+    with_contacts(own, rubbing([placed(one, places) for one in effects]))
 
 
 def _check_named(friction: FrictionLaw, effects: Sequence[AnyEffect]) -> None:

@@ -7,7 +7,7 @@ effect's numbers by "<effect>.<number>", its states by "<effect>.<state>".
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
@@ -80,6 +80,9 @@ class Placed:
         A force on the coordinates, (n,), and its size.
     link
         The link that it acts in, where it does.
+    rubs
+        Without a force: a further contact along the direction, with the ground, whose law is dry friction of the one
+        number; whether it turns.
     contact, acts
         Index of the contact whose law it changes; its formulas by what they are ("factor", "peak", "aging", "bristle").
     number
@@ -98,6 +101,7 @@ class Placed:
     direction: Floats | None = None
     link: str = ""
     force: Tree | None = None
+    rubs: bool | None = None
     contact: int | None = None
     acts: Mapping[str, Tree] | None = None
     number: str | None = None
@@ -114,6 +118,7 @@ class Site:
     trees: Mapping[str, Tree]
     of: Mapping[str, Dimensions]
     needed: Dimensions | None
+    turns: bool = False
 
 
 class Places:
@@ -158,7 +163,7 @@ class Places:
             trees["deflection"] = Apply("subtract", (x, Number(rest)))
         length = "rad" if turns else "m"
         of = {"deflection": dimensions(length), "deflection_rate": dimensions(f"{length}/s")}
-        return row, self._site(trees, of, "N m" if turns else "N")
+        return row, replace(self._site(trees, of, "N m" if turns else "N"), turns=turns)
 
     def _row(self, where: str) -> tuple[Floats, float, float, bool]:
         names_ = self.own.names
@@ -277,6 +282,9 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
             direction, site = places.force(where)
             force, states = _formulas(effect, acts, {"force": acts.force}, site)
             link = where if where in [one.name for one in places.own.links] else ""
+            if acts.sharp is not None and effect.parameters[acts.sharp[0]] == 0:
+                dry = f"{effect.label}.{acts.sharp[1]}"
+                return Placed(effect.label, {dry: numbers[dry]}, direction=direction, rubs=site.turns)
             return Placed(effect.label, numbers, states, direction, link, force["force"])
         case "reading":
             if effect.where.removesuffix(CHANNEL) in places.states:  # "x1 channel", where the rig has an x1

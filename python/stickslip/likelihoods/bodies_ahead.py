@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,11 +38,11 @@ class WindowForecasts:
     readings: Floats
 
 
-def _core_run(point: RunWindows, values: Floats, modes: list[int], t: Floats) -> dict[str, Any] | None:
+def _core_run(point: RunWindows, values: Floats, modes: Sequence[int], t: Floats) -> dict[str, Any] | None:
     raw: dict[str, Any] = _core.simulate_bodies(
         **point.lowered.arguments,
         values=values,
-        modes=modes,
+        modes=point.lowered.own.modes(modes),
         t_start=float(t[0]),
         t_end=float(t[-1]),
         t_eval=t,
@@ -63,7 +64,7 @@ def free_run(fit: Fit, run: BodiesData, part: slice) -> Floats:
     own = fit.own[0].copy()
     own[windows.begins :] = 0.0
     values, _ = point.started(0, own)
-    raw = _core_run(point, values, list(windows.stretches[0].modes), run.t[part])
+    raw = _core_run(point, values, windows.stretches[0].modes, run.t[part])
     if raw is None:
         raise StickslipError("the model's run from the estimated start stops before the end")
     return point.read(raw, own, False)[0]

@@ -246,7 +246,7 @@ class _Members:
         raw: Mapping[str, Any] = _core.simulate_bodies(
             **lowered.arguments,
             values=values,
-            modes=modes,
+            modes=lowered.own.modes(modes),
             t_start=t,
             t_end=until,
             t_eval=times,

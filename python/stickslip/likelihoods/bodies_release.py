@@ -30,7 +30,7 @@ def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
     out = np.zeros(len(rig.names))
     lost = ~np.array(run.placed, dtype=bool) if run.placed else np.zeros(len(rig.names), dtype=bool)
     stiff = rig.K[np.ix_(lost, lost)]
-    for j, (contact, mode) in enumerate(zip(rig.contacts, window.modes, strict=True)):
+    for j, (contact, mode) in enumerate(zip(rig.contacts, window.modes, strict=False)):
         along = contact.direction[lost]
         if mode != 0 or not along.any():
             continue

@@ -74,10 +74,10 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.dimension = len(own.equations.names)
         self.begins = 2 * self.dimension
         moves = own.equations.on_belt and any(run.belt.constant != 0 for run in data)
-        self.differs = differing(self.lowered[0].own, moves)
+        self.differs = differing(own, moves)
         self.effects = len(self.differs.of)
         self.own = self.begins + self.effects
-        laws = self.lowered[0].own.laws
+        laws = own.laws[: own.of_rig]
         contacts = [j for j, law in enumerate(laws) for _ in kinds(law)]
         self.contact_of = (
             *contacts,
@@ -274,7 +274,7 @@ class RunWindows:
     def effect_places(self) -> list[int | None]:
         """Places of the random effects among the values; None of the belt's."""
         out: list[int | None] = []
-        for j, law in enumerate(self.lowered.own.laws):
+        for j, law in enumerate(self.lowered.own.laws[: self.lowered.own.of_rig]):
             out += [self._of_contact(OWN[kind], j) for kind in kinds(law)]
         return out + [None] * (self.of.effects - len(out))
 
@@ -306,7 +306,7 @@ class RunWindows:
         raw: Mapping[str, Any] = _core.simulate_bodies(
             **self.lowered.arguments,
             values=values,
-            modes=list(w.modes),
+            modes=self.lowered.own.modes(w.modes),
             t_start=float(t[0]),
             t_end=float(t[-1]),
             t_eval=t,
@@ -395,6 +395,5 @@ class RunWindows:
         raw, done = self._simulated(i, own, False)
         if not done:
             return None
-        return WindowMotion(
-            raw["t"], raw["state"], raw["mode"].astype(np.int8), self.read(raw, own, False)[0]
-        )
+        mode = raw["mode"][:, : self.lowered.own.of_rig].astype(np.int8)
+        return WindowMotion(raw["t"], raw["state"], mode, self.read(raw, own, False)[0])

@@ -146,7 +146,7 @@ def kinds(law: LawForm) -> tuple[str, ...]:
 def differing(own: General, belted: bool) -> ContactScatter:
     """Return what differs: contacts of one law differ alike, each by itself; without stick there is no static limit."""
     names, of = list[str](), list[int]()
-    for contact, law in zip(own.equations.contacts, own.laws, strict=True):
+    for contact, law in zip(own.equations.contacts[: own.of_rig], own.laws, strict=False):
         for kind in kinds(law):
             name = f"{contact.law or 'friction'}.{kind}"
             if name not in names:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.effect import Tabulated
+from stickslip.declared.formula.tree import Name
 from stickslip.declared.formula.value import value
-from stickslip.declared.law_form import LawForm
+from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Places, prescribed, seen
 from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of
+from stickslip.declared.rubbing import rubbing, with_contacts
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 from stickslip.simulated.placed_effects import NO_EFFECTS, Effects, effects_of
@@ -54,6 +56,15 @@ class General:
     state_names: tuple[str, ...]
     effects: Effects = field(default_factory=lambda: NO_EFFECTS)
     drive_name: str = "drive_speed"
+
+    @property
+    def of_rig(self) -> int:
+        """How many contacts the rig has; those that effects add come after."""
+        return len(self.laws) - sum(one.rubs is not None for one in self.effects.all)
+
+    def modes(self, given: Sequence[int]) -> list[int]:
+        """Return modes of all contacts as the core has them; those that effects add follow from the state."""
+        return [*given, *[2] * (len(self.laws) - len(given))]
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -110,6 +121,18 @@ class General:
         return np.array([*z, *hidden])
 
 
+def with_rubbing(
+    own: Equations, laws: tuple[LawForm, ...], effects: Effects
+) -> tuple[Equations, tuple[LawForm, ...]]:
+    """Return equations and laws with the contacts that effects add; errors are those of `with_contacts`."""
+    for one in effects.all:
+        if one.rubs is not None:
+            (number,) = one.numbers
+            dry = BranchForm(Name(number), Name(number))
+            laws = (*laws, LawForm(dry, dry, one.numbers))
+    return with_contacts(own, rubbing(effects.all)), laws
+
+
 def general(
     model: Model,
     belt_speed: object,
@@ -137,6 +160,7 @@ def general(
         effects.changed(j, differing(law_of(model.friction, one).form(), j))
         for j, one in enumerate(own.contacts)
     )
+    own, laws = with_rubbing(own, laws, effects)
     speeds = []
     for key, given, needed in (
         ("belt_speed", belt_speed, own.on_belt),

@@ -15,21 +15,21 @@ from stickslip.declared.effect import CONSTANTS, AnyEffect, Effect, FormulaEffec
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.formula_law import LawByFormula
-from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.declared.law_form import LawForm
 from stickslip.declared.laws import LAWS
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
-from stickslip.declared.rigs.general import ContactRow, Equations
+from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 from stickslip.simulated.driven import driven, with_mass
-from stickslip.simulated.general import General, general
+from stickslip.simulated.general import General, general, with_rubbing
 from stickslip.simulated.placed_effects import of_placed
 
 Floats = NDArray[np.float64]
-PIVOT, LAGGED = "pivot_dry_friction", "m"
+LAGGED = "m"
 REFUSED = (
     "belt_load_droop",
     "friction_memory",
@@ -82,7 +82,6 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     law = law_of(model.friction, own.contacts[0]).form()
     acting = [one for one in model.effects if readings or not _read_alone(one)]
     found = [each for one in acting if (each := _placed(one, places, law, model)) is not None]
-    pivot = next((one for one in found if one.label == PIVOT and one.direction is None), None)
     found.sort(
         key=lambda one: one.label not in ("sensor_crosstalk", "sensor_lag")
     )  # the first of the channel
@@ -90,17 +89,12 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     found.sort(
         key=lambda one: one.contact is not None and "factor" in (one.acts or {}) and one.number is None
     )
-    effects = of_placed([one for one in found if one is not pivot], places.states)
-    laws = [effects.changed(0, law)]
-    if pivot is not None:
-        own = replace(own, contacts=(*own.contacts, ContactRow("pivot", np.eye(2)[1], "ground", "", False)))
-        force = BranchForm(Name(f"{PIVOT}.f"), Name(f"{PIVOT}.f"))
-        laws.append(LawForm(force, force, pivot.numbers))
-        effects = replace(effects, numbers={**effects.numbers, **pivot.numbers})
+    effects = of_placed(found, places.states)
+    own, laws = with_rubbing(own, (effects.changed(0, law),), effects)
     speed = Speed.of(belt_speed, "belt_speed")
     effects = replace(effects, prescribed=(speed, Speed.of(0.0)))
     belt = effects.moved("belt_speed", speed)
-    return General(own, tuple(laws), belt, Speed.of(0.0), order, model.rig.state_names, effects)
+    return General(own, laws, belt, Speed.of(0.0), order, model.rig.state_names, effects)
 
 
 def corrected(model: Model) -> AnyRig:
@@ -157,7 +151,6 @@ def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Place
         "sensor_crosstalk": _cross,
         "sensor_lag": _lag,
         "normal_force_feedback": _pressed,
-        PIVOT: _pivot,
     }
     if one.name in special:
         return special[one.name](one, places, law, model)
@@ -213,16 +206,6 @@ def _pressed(one: Effect, _places: Places, law: LawForm, _model: Model) -> Place
     )
     factor = Apply("max", (Number(0.0), _sum(Number(1.0), Apply("divide", (press, limit)))))
     return Placed(one.name, _named_numbers(one), contact=0, acts={"factor": factor})
-
-
-def _pivot(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Placed:
-    """Friction of a contact of its own; with a creep speed a force."""
-    numbers = _named_numbers(one)
-    if one.parameters["v_c"] == 0:
-        return Placed(one.name, {f"{PIVOT}.f": numbers[f"{PIVOT}.f"]})
-    rounded = Apply("tanh", (Apply("divide", (velocity(1), Name(f"{PIVOT}.v_c"))),))
-    force = Apply("negate", (_times(Name(f"{PIVOT}.f"), rounded),))
-    return Placed(one.name, numbers, direction=np.eye(2)[1], force=force)
 
 
 def _curve(one: Tabulated, places: Places) -> Placed:

@@ -178,6 +178,8 @@ def contact_modes(own: General, contact: str | Sequence[str]) -> list[int]:
         An unknown mode, not one for every contact, or a stick of a law that has none.
     """
     contacts = own.equations.contacts
+    if not isinstance(contact, str) and len(contact) == own.of_rig:
+        contact = [*contact, *["auto"] * (len(contacts) - own.of_rig)]
     each: list[str] = [contact] * len(contacts) if isinstance(contact, str) else list(contact)
     if len(each) != len(contacts):
         raise InputError(f"has {len(each)} modes for {len(contacts)} contacts", key="contact")

@@ -27,5 +27,5 @@ EFFECT = EffectKind(
     on_belt=90,
     starts=({"f": 0.08}, {"f": 0.08, "v_c": 2e-3}),
     drawn={"f": 0.1, "v_c": 0.0},
-    anywhere=Acts(refused="dry friction of a body is a contact: declare [[rig.contact]]"),
+    anywhere=Acts(force="-f*tanh(deflection_rate/v_c)", sharp=("v_c", "f")),
 )

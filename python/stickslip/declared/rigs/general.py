@@ -242,7 +242,7 @@ def check_equations(own: Equations) -> None:
             else (f"has the eigenvalue {sizes[0]:.4g}; every inertia is positive")
         )
         raise RigError(lacks, "M")
-    _check_contacts(own)
+    check_contacts(own)
     for name in own.sensed:
         if name in own.names:
             raise RigError(
@@ -268,7 +268,8 @@ def check_equations(own: Equations) -> None:
         warnings.warn(words, ModelWarning, stacklevel=5)
 
 
-def _check_contacts(own: Equations) -> None:
+def check_contacts(own: Equations) -> None:
+    """Refuse contacts of one name or one direction, and of so many directions that what each carries is not known."""
     rows = own.directions
     for i, one in enumerate(own.contacts):
         if not np.any(rows[i]):

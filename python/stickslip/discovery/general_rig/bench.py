@@ -17,7 +17,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.curve_kinds import curve_kinds
-from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, rival_at, slip
+from stickslip.discovery.general_rig.kinds import Sizes, has_room, placed_kinds, rival_at, slip
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import ScoredCurve
@@ -83,6 +83,10 @@ class GeneralBench(Bench):
         own = [rival_at(one, self.model.rig) for one in self.candidates]
         names = placed_kinds(self.model, self.data, one_way=self.one_way)
         return [*names, *curve_kinds(self.model, self.data), *own]
+
+    def has_room(self, kind: EffectKind, terms: Sequence[Term]) -> bool:
+        """See `Bench.has_room`."""
+        return has_room(self.model, kind, [one.effect for one in terms])
 
     def wobble(self, scatter: ContactScatter) -> float:
         """See `Bench.wobble`; of a belt whose speed is no number, so that windows have none of their own, the usual."""

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import CATALOGUE
-from stickslip.declared.effect import FormulaEffect
+from stickslip.declared.effect import AnyEffect, FormulaEffect, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
+from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names
 from stickslip.declared.model import Model
@@ -24,6 +26,7 @@ from stickslip.declared.placed import CHANNEL
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
+from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.scaled import ALPHA, STATIC
 
@@ -136,7 +139,27 @@ def placed_kinds(model: Model, data: Sequence[BodiesData], *, one_way: bool) -> 
             continue
         acts.append(kind.anywhere)
         out += [scaled(kind, where, units) for where, units in _places(kind, sizes)]
-    return out
+    return [one for one in out if has_room(model, one)]
+
+
+def has_room(model: Model, kind: EffectKind, others: Sequence[AnyEffect] = ()) -> bool:
+    """
+    Return whether an effect that is a further contact may rub at its place: no contact does what it would.
+
+    Parameters
+    ----------
+    model : the declared model
+    kind : at its place
+    others : effects beside it
+    """
+    if kind.anywhere.sharp is None:
+        return True
+    numbers = {one.name: 0.0 for one in kind.parameters}
+    one = effect(kind.name, where=kind.where, **numbers)
+    with suppress(InputError):
+        Model(model.rig, friction=model.friction, effects=(*others, one))
+        return True
+    return False
 
 
 def rival_at(one: FormulaEffect, rig: GeneralRig) -> RivalKind:
@@ -151,11 +174,31 @@ def rival_at(one: FormulaEffect, rig: GeneralRig) -> RivalKind:
 
 
 def scaled(kind: EffectKind, where: str, units: Units) -> EffectKind:
-    """Return a kind at a place, its bounds, priors and starts in SI."""
+    """Return a kind at a place, its bounds, priors and starts in SI, and what its formulas read there."""
     info = tuple(_scaled(one, one.dimension.size(units)) for one in kind.parameters)
     sizes = {one.name: one.unit for one in info}
     starts = tuple({k: v * sizes[k] for k, v in one.items()} for one in kind.starts)
-    return replace(kind, where=where, parameters=info, starts=starts)  # type: ignore[arg-type]  # a place of its own
+    own = {"parameters": info, "starts": starts, "depends_on": _read(kind)}
+    return replace(kind, where=where, **own)  # type: ignore[arg-type]  # a place of its own
+
+
+def _read(kind: EffectKind) -> tuple[str, ...]:
+    """What a kind's formulas read at its place, "memory" where it has states, but for a reading that is added to."""
+    acts = kind.anywhere
+    texts = [
+        acts.force,
+        acts.factor,
+        acts.peak,
+        acts.aging,
+        acts.reading,
+        *(one for one, _ in acts.states.values()),
+    ]
+    trees = [parse(text) for text in texts if text is not None]
+    read = {name for tree in trees for name in names(tree)} - {*kind.parameter_names, *acts.states}
+    if not any(names(derivative(tree, "reading")) for tree in trees) and not acts.states:
+        read -= {"reading"}
+    remembers = bool(acts.states) or "dwell" in read
+    return (*sorted(read - {"dwell"}), *(("memory",) if remembers else ()))
 
 
 def _scaled(info: ParameterInfo, size: float) -> ParameterInfo:

@@ -134,6 +134,10 @@ class Bench(ABC):
             return self
         return replace(self, stretches=[s for s, gone in zip(self.stretches, out, strict=True) if not gone])
 
+    def has_room(self, kind: EffectKind, terms: Sequence[Term]) -> bool:  # noqa: ARG002  # of every rig but general ones
+        """Whether an effect can be simulated at its place beside others."""
+        return True
+
     def wobbles(self, kind: EffectKind) -> bool:
         """Whether an effect is a wave of what wobbles by itself in every window: the belt."""
         return kind.wave is not None and kind.where == "belt"

@@ -156,7 +156,7 @@ def _beside(bench: Bench, kind: EffectKind, terms: Sequence[Term]) -> bool:
     names = [one.name for one in kinds]
     if any(one.behaves.idle and one.behaves.idle(bench.model.friction, names) for one in kinds):
         return False
-    if kind.wave and not lasts(bench, kind):
+    if (kind.wave and not lasts(bench, kind)) or not bench.has_room(kind, terms):
         return False
     formula = any(isinstance(one, RivalKind) and one.physics == "dynamics" for one in kinds)
     return not formula or all(isinstance(one, RivalKind) or beside_formula(one) for one in kinds)

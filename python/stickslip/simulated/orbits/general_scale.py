@@ -73,6 +73,8 @@ class StateScale:
     def _force(self, j: int) -> float:
         """The greatest static friction of a contact; of a law without stick that of steady sliding."""
         own = self.field.own
+        if j >= own.of_rig:  # dry friction that an effect adds
+            return float(max(own.laws[j].numbers.values()))
         law = law_of(self.model.friction, own.equations.contacts[j])
         v = float(self._speeds[j])
         try:

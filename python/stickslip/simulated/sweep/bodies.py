@@ -189,12 +189,12 @@ class BodiesRequest(Request):
         }
 
     def _stuck(self, raw: Mapping[str, Any]) -> float:
-        """Share of the time after `after` in stick, the mean over the contacts."""
+        """Share of the time after `after` in stick, the mean over the rig's contacts."""
         t, modes = raw["transition_t"], raw["transition_after"]
         begins, ends = np.concatenate([[0.0], t]), np.concatenate([t, [self.t_end]])
         lasts = np.maximum(0.0, ends - np.maximum(begins, self.after))
         first = raw["transition_before"][:1] if len(t) else raw["mode"][-1:]
-        stuck = np.vstack([first, modes]) == 0
+        stuck = np.vstack([first, modes])[:, : self.base.own.of_rig] == 0
         return float((lasts[:, None] * stuck).sum() / (self.t_end - self.after) / stuck.shape[1])
 
 
