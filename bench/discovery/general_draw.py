@@ -18,7 +18,7 @@ import stickslip as ss
 from stickslip import _core
 from stickslip.declared.effect import Effect
 from stickslip.declared.formula.value import value
-from stickslip.declared.placed import seen
+from stickslip.declared.places import seen
 from stickslip.simulated.bodies_lowering import lower_bodies
 from stickslip.simulated.general import general
 

@@ -10,7 +10,8 @@ from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import check_law
 from stickslip.declared.laws import LAWS
-from stickslip.declared.placed import Places, placed
+from stickslip.declared.placed import placed
+from stickslip.declared.places import Places
 from stickslip.declared.rig import AnyRig, only_simulated
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
 from stickslip.declared.rubbing import rubbing, with_contacts

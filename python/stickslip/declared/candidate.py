@@ -23,7 +23,8 @@ from stickslip.declared.formula.value import value
 from stickslip.declared.formula_effect import formula_effect, range_of
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.number_names import check_effect_name
-from stickslip.declared.placed import NAMED_PLACES, SPEEDS, Placed, Places, placed
+from stickslip.declared.placed import Placed, placed
+from stickslip.declared.places import NAMED_PLACES, SPEEDS, Places
 from stickslip.declared.quantity import quantity
 from stickslip.declared.rig import AnyRig, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import Value, value
-from stickslip.declared.placed import PlacedState, coordinate, distance, velocity
+from stickslip.declared.placed import PlacedState
+from stickslip.declared.places import coordinate, distance, velocity
 from stickslip.declared.speeds import Speed
 from stickslip.fitted.bodies_data import SHARE, BodiesData, smoothed
 from stickslip.likelihoods.bodies_own_friction import OFF

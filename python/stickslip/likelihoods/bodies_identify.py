@@ -13,7 +13,7 @@ from stickslip.declared.bodies_model import named_laws
 from stickslip.declared.effect import effect
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
-from stickslip.declared.placed import CHANNEL
+from stickslip.declared.places import CHANNEL
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import SIGMAS_95, Uncertainty
 from stickslip.errors import InputError, StickslipError

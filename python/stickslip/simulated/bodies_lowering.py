@@ -21,7 +21,7 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import VARIABLES, BranchForm
 from stickslip.declared.model import Model
-from stickslip.declared.placed import coordinate, distance, prescribed, velocity
+from stickslip.declared.places import coordinate, distance, prescribed, velocity
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.rigs.named import equations_of

@@ -13,7 +13,8 @@ from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
-from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, prescribed
+from stickslip.declared.placed import Placed, PlacedState, placed
+from stickslip.declared.places import Places, coordinate, prescribed
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed

@@ -14,7 +14,7 @@ from stickslip.declared.formula.tree import Name
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
-from stickslip.declared.placed import Places, prescribed, seen
+from stickslip.declared.places import Places, prescribed, seen
 from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.rubbing import rubbing, with_contacts

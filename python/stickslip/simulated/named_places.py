@@ -18,7 +18,8 @@ from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.law_form import LawForm
 from stickslip.declared.laws import LAWS
 from stickslip.declared.model import Model
-from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
+from stickslip.declared.placed import Placed, PlacedState, placed
+from stickslip.declared.places import Places, coordinate, velocity
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import AnyEffect
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
-from stickslip.declared.placed import Placed, PlacedState, Places, placed
+from stickslip.declared.placed import Placed, PlacedState, placed
+from stickslip.declared.places import Places
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, did_you_mean
 

@@ -16,7 +16,7 @@ from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.formula.value import value
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.model import Model
-from stickslip.declared.placed import seen
+from stickslip.declared.places import seen
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.formula_effect import formula_effect
 from stickslip.declared.model import Model
-from stickslip.declared.placed import CHANNEL
+from stickslip.declared.places import CHANNEL
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.discovery.general_rig.kinds import Sizes, along, largest, rival_at, slip
 from stickslip.discovery.laboratory.rival_kind import RivalKind

@@ -22,7 +22,7 @@ from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names
 from stickslip.declared.model import Model
-from stickslip.declared.placed import CHANNEL
+from stickslip.declared.places import CHANNEL
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.laboratory.rival_kind import RivalKind, rival

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.formula.tree import Tree
 from stickslip.declared.formula.value import Value, value
-from stickslip.declared.placed import seen
+from stickslip.declared.places import seen
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]

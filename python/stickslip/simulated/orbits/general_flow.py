@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.declared.formula.tree import names
 from stickslip.declared.model import Model
-from stickslip.declared.placed import distance
+from stickslip.declared.places import distance
 from stickslip.errors import InputError, StickslipError
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import General, general

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names, substituted
 from stickslip.declared.formula.value import value
-from stickslip.declared.placed import coordinate, distance
+from stickslip.declared.places import coordinate, distance
 from stickslip.errors import InputError
 from stickslip.simulated.general import General
 from stickslip.simulated.orbits.general_field import Field

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.declared.formula.tree import Apply, Tree, switches
 from stickslip.declared.formula.value import Value, side_of, surface, value
 from stickslip.declared.model import Model
-from stickslip.declared.placed import seen
+from stickslip.declared.places import seen
 from stickslip.simulated.general import General, general
 from stickslip.simulated.reference.equations import Guard
 from stickslip.simulated.reference.integrate import OdeStep, RunStatus, advance, leg
