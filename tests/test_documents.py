@@ -156,7 +156,8 @@ def test_the_page_of_rigs_runs_from_top_to_bottom(
         (tmp_path / f"{name}.toml").write_text(text)
     assert ss.load_model("drill.toml") == shown["model"]
     (tmp_path / "dragged.toml").write_text(drill + effects)
-    mud = ss.load_model("dragged.toml").effects[1]
+    _, pressed, mud = ss.load_model("dragged.toml").effects
+    assert (pressed.where, pressed.by) == ("bit", "table")
     assert mud.formula == shown["mud"].formula
     assert mud.parameters == shown["mud"].parameters
     named = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())

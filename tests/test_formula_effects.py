@@ -199,6 +199,7 @@ def test_every_effect_of_the_catalogue_acts_on_any_rig_as_on_the_named_one_or_is
         with pytest.raises(InputError, match=re.escape(kind.anywhere.refused)):
             ss.Model(rig, friction=law, effects=[made(name, where=where)])
         return
+    put = {"where": where, **({"by": "y1"} if kind.anywhere.couples else {})}
     if kind.where == "both":
         return  # on a link; see below
     options = {"belt_speed": 0.1, "t_end": TIMES[-1], "t_eval": TIMES, **TIGHT}
@@ -206,9 +207,7 @@ def test_every_effect_of_the_catalogue_acts_on_any_rig_as_on_the_named_one_or_is
         ss.Model(named, friction=law, effects=[made(name)]), initial=(0.1, 0.1, 0.02, 0.0), **options
     )
     start = (0.1, 0.02, 0.1, 0.0)
-    ours = ss.simulate(
-        ss.Model(rig, friction=law, effects=[made(name, where=where)]), initial=start, **options
-    )
+    ours = ss.simulate(ss.Model(rig, friction=law, effects=[made(name, **put)]), initial=start, **options)
     np.testing.assert_allclose(ours.state[:, [0, 2, 1, 3]], theirs.state, atol=1e-8)
     plain = ss.simulate(ss.Model(rig, friction=law), initial=start, **options)
     change = np.max(np.abs(ours.state - plain.state))

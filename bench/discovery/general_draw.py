@@ -226,7 +226,11 @@ kinetic = 2.2
         ("along", _of("force", "-k*max(deflection - d, 0)", k=(250.0, 400.0), d=(2e-3, 3e-3))),
         ("along", _of("reading", "reading + q*reading**3", q=(2.5e3, 4e3))),
     )
-    others = (("pivot_dry_friction", "across", _sizes(f=(0.03, 0.06))),)
+    others = (
+        ("pivot_dry_friction", "across", _sizes(f=(0.03, 0.06))),
+        ("normal_force_feedback:across", "contact_1", _sizes(beta2=(800.0, 1600.0), eta2=(-3.0, 3.0))),
+        ("sensor_crosstalk:across", "along", _sizes(c=(0.03, 0.06))),
+    )
     return Plan(
         rig,
         laws,
@@ -338,7 +342,7 @@ def write_case(
             plan.effects[int(rng.integers(len(plan.effects)))] if other is None else plan.others[other]
         )
         drawn = kind, where, sizes(rng)
-        truth["effects"] = [{"name": kind, "where": where, "parameters": dict(drawn[2])}]
+        truth["effects"] = [{"name": kind.partition(":")[0], "where": where, "parameters": dict(drawn[2])}]
     formula: ss.FormulaEffect | None = None
     if unlisted is not None:
         where, made = plan.unlisted[unlisted]
@@ -358,7 +362,8 @@ def write_case(
             numbers = dict(drawn[2])
             if "phi" in numbers:
                 numbers["phi"] = float(rng.uniform(*TURN))
-            effects = (ss.effect(drawn[0], where=drawn[1], **numbers),)
+            name_of, _, by = drawn[0].partition(":")
+            effects = (ss.effect(name_of, where=drawn[1], **numbers, **({"by": by} if by else {})),)
         if formula is not None:
             effects = (formula,)
         speed = share * plan.speed

@@ -13,13 +13,16 @@ Place = Literal["force", "contact", "factor", "reading"]
 class Acts:
     """Formulas of an effect, one of them given; they read its numbers, its states and what is said beside them.
 
+    What couples a place to a further coordinate reads `other` and `other_rate`; where the effect is put, `by` names it.
+
     Parameters
     ----------
     force
         On a coordinate or a link: deflection, deflection_rate, t, and every coordinate and velocity by its name.
     factor
         Of a contact's friction, of a number of its law, or of a prescribed speed (t alone): u, v, t, `position` (of
-        what rubs, along the contact), `travel` (of what it rubs on, beside it), every coordinate and velocity.
+        what rubs, along the contact), `travel` (of what it rubs on, beside it), every coordinate and velocity; of an
+        effect of the catalogue T_s, too, the law's static limit for v < 0.
     peak, aging
         Added to the kinetic magnitude and, at u = 0, to the static limit; added to the static limit alone: u; dwell.
     bristle
@@ -49,6 +52,11 @@ class Acts:
     gain: str | None = None
     sharp: tuple[str, str] | None = None
     refused: str | None = None
+
+    @property
+    def couples(self) -> bool:
+        """Whether it reads another coordinate than that of its place."""
+        return any(text is not None and "other" in text for text in (self.force, self.factor, self.reading))
 
     @property
     def place(self) -> Place | None:

@@ -90,6 +90,12 @@ def _check_named(friction: FrictionLaw, effects: Sequence[AnyEffect]) -> None:
         if isinstance(one, Effect) and one.placed:
             words = f"effect '{one.name}' acts on the {one.kind.where} of a named rig; leave it out"
             raise InputError(words, key="where", value=one.where)
+        if isinstance(one, Effect) and one.by:
+            raise InputError(
+                f"effect '{one.name}' couples the angle body of a named rig; leave it out",
+                key="by",
+                value=one.by,
+            )
     if not isinstance(friction, LawByFormula):
         return
     others = [one for one in effects if not isinstance(one, FormulaEffect)]

@@ -126,7 +126,7 @@ def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
         hint = did_you_mean(str(name), [*KINDS, "tabulated"]) if name is not None else "missing"
         raise document.error(hint if name is None else f"unknown effect; {hint}", *keys, "name", value=name)
     for key in given:
-        if key not in KINDS[name].parameter_names and key != "where":
+        if key not in KINDS[name].parameter_names and key not in ("where", "by"):
             hint = did_you_mean(key, KINDS[name].parameter_names)
             raise document.error(f"unknown; {hint}", *keys, key)
     with document.at(*keys):
@@ -207,7 +207,7 @@ def effect_table(one: AnyEffect) -> dict[str, object]:
         return one.table()
     if not isinstance(one, Tabulated):
         where = {"where": one.where} if one.placed else {}
-        return {"name": one.name, **where, **one.parameters}
+        return {"name": one.name, **where, **({"by": one.by} if one.by else {}), **one.parameters}
     table: dict[str, object] = {"name": "tabulated", "where": one.where, "depends_on": one.variable}
     table |= {"knots": list(one.knots), "values": list(one.values)}
     if one.period is not None:

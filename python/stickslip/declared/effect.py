@@ -46,6 +46,12 @@ TabulatedPlace = Literal["block", "angle_body", "contact", "x1 channel", "y1 cha
 TabulatedVariable = Literal["x1", "x2", "y1", "y2", "v_w", "t"]
 
 
+def called(name: str, where: str, by: str) -> str:
+    """Return what the numbers of an effect of the catalogue go by: its name, and what of its place was given."""
+    place = "" if where == KINDS[name].where else f"@{where}"
+    return f"{name}{place}{f'+{by}' if by else ''}"
+
+
 @dataclass(frozen=True)
 class Effect(Displayed):
     """One effect of the catalogue with its numbers; made by `effect`.
@@ -59,6 +65,8 @@ class Effect(Displayed):
     parameters
         Its numbers by name, nondimensional for the rig of (2.1), otherwise in the rig's units; in SI those that were
         given with a unit, until it is part of a model.
+    by
+        Of one that couples its place to another coordinate of a rig of bodies or matrices: which; else empty.
 
     Examples
     --------
@@ -73,6 +81,7 @@ class Effect(Displayed):
     name: str
     where: str
     parameters: Mapping[str, float] = field(hash=False)
+    by: str = ""
 
     @property
     def kind(self) -> EffectKind:
@@ -91,8 +100,8 @@ class Effect(Displayed):
 
     @property
     def label(self) -> str:
-        """What its numbers are called by: its name, and its place where one was given."""
-        return f"{self.name}@{self.where}" if self.placed else self.name
+        """What its numbers are called by: its name, and its place and what it couples to where these were given."""
+        return called(self.name, self.where, self.by)
 
     @property
     def as_acts(self) -> Acts:
@@ -102,7 +111,7 @@ class Effect(Displayed):
     def replace(self, **parameters: float) -> Effect:
         """Return the effect with some parameters changed."""
         changed = effect(self.name, **{**self.parameters, **parameters})
-        return dataclasses.replace(changed, where=self.where)
+        return dataclasses.replace(changed, where=self.where, by=self.by)
 
 
 @overload
@@ -120,7 +129,8 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
     **parameters
         Every parameter of the effect, nondimensional on the rig of (2.1), else in SI; or with a unit (`f="2 N"`), which
         a model turns into its own numbers. A phase `phi` and a creep speed `v_c` are 0 when left out.
-        `where` puts it to a place of a rig of bodies or matrices: a body, a link, a contact, a channel.
+        `where` puts it to a place of a rig of bodies or matrices: a body, a link, a contact, a channel. `by` names the
+        coordinate that it couples this place to: what presses the contact, what the sensor reads beside its own.
         Of "formula": `where`; one of `force`, `factor`, `reading`; its numbers, bare in SI or with a unit ("0.1 N");
         `states` and `ranges` by name; `called`, its name in the model where there are several.
 
@@ -150,6 +160,9 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
         raise unknown("effect", str(name), [*KINDS, "formula"])
     kind = KINDS[name]
     where = must_be("where", parameters.pop("where", kind.where), str)
+    by = must_be("by", parameters.pop("by", ""), str)
+    if by and not kind.anywhere.couples:
+        raise InputError(f"effect '{name}' acts at its own place alone; leave 'by' out")
     for given in parameters:
         kind.parameter(given)
     values: dict[str, float] = {}
@@ -167,7 +180,7 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
         # what is out of bounds is said as it was given
         size = number(key, size if isinstance(given, str) else given, most=high, why=info.meaning, **bound)
         values[info.name] = size if unit is None else Sized(size, unit)
-    return Effect(name, where, values)
+    return Effect(name, where, values, by)
 
 
 @dataclass(frozen=True)

@@ -126,6 +126,8 @@ class EffectKind:
         Its formulas, and what else one may ask of it.
     anywhere
         How it acts on a rig of bodies or matrices, at any place of it.
+    by
+        At a place of a rig of bodies or matrices: the coordinate that it couples this place to.
     drawn
         Numbers at which the documents draw it: a motion with it can be told by the eye from one without.
     """
@@ -149,6 +151,7 @@ class EffectKind:
     behaves: Behaves = field(default_factory=Behaves)
     anywhere: Acts = field(kw_only=True)
     drawn: Mapping[str, float] = field(kw_only=True, hash=False)
+    by: str = ""
 
     def __repr__(self) -> str:
         return one_line(f"<{self.name}: {self.words}; {', '.join(self.parameter_names)}>")

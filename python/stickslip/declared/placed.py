@@ -6,7 +6,7 @@ Trees name an effect's numbers by "<effect>.<number>", its states by "<effect>.<
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 
 Floats = NDArray[np.float64]
+LIMIT = "T_s"  # what trees call the static limit of a contact's law for v < 0
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,7 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
             if effect.where.removesuffix(CHANNEL) in places.states:  # "x1 channel", where the rig has an x1
                 where = effect.where
             channel, site = places.channel(where)
+            site = _coupled(effect, acts, places, site)
             reading, states = _formulas(effect, acts, {"reading": acts.reading}, site)
             return Placed(effect.label, numbers, states, channel=channel, reading=reading["reading"])
     if acts.of_belt or (acts.place == "factor" and where in SPEEDS):
@@ -126,9 +128,19 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
     j, number, site = places.contact(where)
     if number is not None and acts.factor is None:
         raise InputError(f"acts on the whole friction; give where = '{where.partition('.')[0]}'", key="where")
+    site = _coupled(effect, acts, places, site)
     texts = {key: getattr(acts, key) for key in ("factor", "peak", "aging", "bristle")}
     trees, states = _formulas(effect, acts, texts, site)
     return Placed(effect.label, numbers, states, contact=j, acts=trees, number=number)
+
+
+def _coupled(effect: Effect | FormulaEffect, acts: Acts, places: Places, site: Site) -> Site:
+    """What an effect of the catalogue reads beside its place."""
+    if isinstance(effect, FormulaEffect) or not acts.couples:
+        return site
+    named = not isinstance(places.rig, GeneralRig)  # whose one other coordinate is the angle body's
+    site = places.beside(places.own.names[-1] if named else effect.by, site)
+    return replace(site, trees={**site.trees, LIMIT: Name(LIMIT)})
 
 
 def _of_speed(

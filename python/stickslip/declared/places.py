@@ -181,6 +181,19 @@ class Places:
         unit = self.units[name]
         return name, self._site({"reading": self.states[name]}, {"reading": dimensions(unit)}, unit)
 
+    def beside(self, by: str, site: Site) -> Site:
+        """A place from where another coordinate is read, too."""
+        names_ = self.own.names
+        if by not in names_:
+            words = (
+                f"no coordinate '{by}'; {did_you_mean(by, names_)}"
+                if by
+                else "lacks the coordinate that it couples"
+            )
+            raise InputError(words if by else f"{words} to: one of {', '.join(names_)}", key="by")
+        i = names_.index(by)
+        return replace(site, trees={**site.trees, "other": coordinate(i), "other_rate": velocity(i)})
+
     def _site(self, trees: Mapping[str, Tree], of: Mapping[str, Dimensions], needed: str) -> Site:
         units = {name: dimensions(unit) for name, unit in self.units.items()}
         return Site(

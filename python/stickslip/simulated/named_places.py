@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.effect import CONSTANTS, AnyEffect, Effect, FormulaEffect, Tabulated
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree
 from stickslip.declared.formula_law import LawByFormula
-from stickslip.declared.law_form import LawForm
 from stickslip.declared.laws import LAWS
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, placed
-from stickslip.declared.places import Places, coordinate, velocity
+from stickslip.declared.places import Places, coordinate
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of
@@ -82,7 +81,7 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     places = Places(model.rig, own, order)
     law = law_of(model.friction, own.contacts[0]).form()
     acting = [one for one in model.effects if readings or not _read_alone(one)]
-    found = [each for one in acting if (each := _placed(one, places, law, model)) is not None]
+    found = [each for one in acting if (each := _placed(one, places, model)) is not None]
     found.sort(
         key=lambda one: one.label not in ("sensor_crosstalk", "sensor_lag")
     )  # the first of the channel
@@ -136,7 +135,7 @@ def _read_alone(one: AnyEffect) -> bool:
     return one.kind.physics == "reading" and not one.kind.hidden
 
 
-def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Placed | None:
+def _placed(one: AnyEffect, places: Places, model: Model) -> Placed | None:
     """An effect at its place; None of one that corrects a number of the rig."""
     if isinstance(one, FormulaEffect):
         return placed(one, places)
@@ -148,14 +147,7 @@ def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Place
         return None
     if one.name == "sensor_crosstalk" and any(each.name == "sensor_lag" for each in model.effects):
         return None  # the lag is one of what it makes
-    special = {
-        "sensor_crosstalk": _cross,
-        "sensor_lag": _lag,
-        "normal_force_feedback": _pressed,
-    }
-    if one.name in special:
-        return special[one.name](one, places, law, model)
-    return placed(one, places)
+    return _lag(one, places, model) if one.name == "sensor_lag" else placed(one, places)
 
 
 def not_beside_formula(name: str, model: Model) -> InputError:
@@ -175,14 +167,7 @@ def _named_numbers(one: Effect) -> dict[str, float]:
     return {f"{one.name}.{name}": size for name, size in one.parameters.items()}
 
 
-def _cross(one: Effect, places: Places, _law: LawForm, _model: Model) -> Placed:
-    """The reading of x1 with a share of y1."""
-    channel, true = next(iter(places.states.items()))
-    reading = _sum(true, _times(Name("sensor_crosstalk.c"), coordinate(1)))
-    return Placed(one.name, _named_numbers(one), channel=channel, reading=reading)
-
-
-def _lag(one: Effect, places: Places, _law: LawForm, model: Model) -> Placed:
+def _lag(one: Effect, places: Places, model: Model) -> Placed:
     """The lagged reading of x1, of what crosstalk makes of it."""
     seen: Tree = coordinate(0)
     cross = next((each for each in model.effects if each.name == "sensor_crosstalk"), None)
@@ -195,18 +180,6 @@ def _lag(one: Effect, places: Places, _law: LawForm, model: Model) -> Placed:
     return Placed(
         one.name, numbers, (PlacedState(m, rate, seen),), channel=next(iter(places.states)), reading=Name(m)
     )
-
-
-def _pressed(one: Effect, _places: Places, law: LawForm, _model: Model) -> Placed:
-    """Friction times max(0, 1 + (beta2 y1 + eta2 y2)/T_s)."""
-    limit = law.minus.static or law.minus.kinetic
-    assert limit is not None
-    limit = substituted(limit, {"u": Number(0.0), "dwell": Number(0.0)})
-    press = _sum(
-        _times(Name(f"{one.name}.beta2"), coordinate(1)), _times(Name(f"{one.name}.eta2"), velocity(1))
-    )
-    factor = Apply("max", (Number(0.0), _sum(Number(1.0), Apply("divide", (press, limit)))))
-    return Placed(one.name, _named_numbers(one), contact=0, acts={"factor": factor})
 
 
 def _curve(one: Tabulated, places: Places) -> Placed:

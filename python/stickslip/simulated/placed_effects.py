@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import AnyEffect
-from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names, substituted
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
-from stickslip.declared.placed import Placed, PlacedState, placed
+from stickslip.declared.placed import LIMIT, Placed, PlacedState, placed
 from stickslip.declared.places import Places
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, did_you_mean
@@ -120,7 +120,10 @@ def _after(true: Tree, before: Tree) -> Callable[[Tree], Tree]:
 
 
 def _changed(law: LawForm, one: Placed) -> LawForm:
-    acts = one.acts or {}
+    acts = dict(one.acts or {})
+    if any(LIMIT in names(tree) for tree in acts.values()):
+        limit = _limit(law, one.label)
+        acts = {key: substituted(tree, {LIMIT: limit}) for key, tree in acts.items()}
     extra = {**law.numbers, **one.numbers}
     states = tuple(StateForm(each.name, each.start) for each in one.states)
     branches = [_branch(law.branch(s), law, one, acts) for s in (-1, 1)]
@@ -129,6 +132,17 @@ def _changed(law: LawForm, one: Placed) -> LawForm:
             raise InputError("yields already; its law has no stick", key=f"{one.label}.where")
         extra |= {name: size for name, size in law.numbers.items() if name not in extra}
     return LawForm(branches[0], branches[1], extra, (*law.states, *states))
+
+
+def _limit(law: LawForm, label: str) -> Tree:
+    """The static limit for v < 0 of a contact that has just come to rest; of a law without stick its friction there."""
+    limit = law.minus.static or law.minus.kinetic
+    if limit is None:
+        raise InputError(
+            "the law has no static limit that friction could be a share of", key=f"{label}.where"
+        )
+    at_rest: dict[str, Tree] = {"u": Number(0.0), "v": Number(0.0), "dwell": Number(0.0)}
+    return substituted(limit, at_rest)
 
 
 def _branch(branch: BranchForm, law: LawForm, one: Placed, acts: Mapping[str, Tree]) -> BranchForm:

@@ -43,5 +43,5 @@ EFFECT = EffectKind(
     scored_at={"beta2": 0.0, "eta2": 0.0},
     adds=Adds(friction=share, sides=Sides(touching, ends)),
     drawn={"beta2": 2.0, "eta2": 1.0},
-    anywhere=Acts(refused="say what presses the contact, as a formula: factor = 'max(0, 1 + k*NAME/T_s)'"),
+    anywhere=Acts(factor="max(0, 1 + (beta2*other + eta2*other_rate)/T_s)"),
 )

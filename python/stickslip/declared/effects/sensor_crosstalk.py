@@ -15,5 +15,5 @@ EFFECT = EffectKind(
     on_belt=210,
     scored_at={"c": 0.0},
     drawn={"c": 0.2},
-    anywhere=Acts(refused="say which channels, as a formula: reading = 'reading + c*NAME'"),
+    anywhere=Acts(reading="reading + c*other"),
 )

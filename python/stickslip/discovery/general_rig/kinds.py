@@ -57,7 +57,8 @@ class Sizes:
         self.model, self.data, self.rig, self.own = model, data, model.rig, model.rig.equations
         self.omega = 2 * math.pi / data[0].periods[0]
 
-    def _units(self, deflection: float, force: float) -> Units:
+    def by(self, deflection: float, force: float) -> Units:
+        """What is 1 where things move so far, with such a force."""
         length, unit = deflection / DEFLECTION, force / STATIC
         return Units(length, self.omega, unit / length)
 
@@ -71,7 +72,7 @@ class Sizes:
         """Of a link, by its deflection and the force of its spring."""
         x = self.deflection(i)
         assert isinstance(self.rig, BodiesRig)
-        return self._units(x, abs(float(self.rig.link[i].stiffness)) * x or self.friction())
+        return self.by(x, abs(float(self.rig.link[i].stiffness)) * x or self.friction())
 
     def deflection(self, i: int) -> float:
         """Return the largest deflection of a link."""
@@ -84,11 +85,11 @@ class Sizes:
         """Of a coordinate, by its speed and the force of all springs on it; without any, that of friction."""
         own, force = self.own, 0.0
         if not own.K[i].any():
-            return self._units(self.speed(i) / self.omega, self.friction())
+            return self.by(self.speed(i) / self.omega, self.friction())
         for run in self.data:
             pulled = own.drive_stiffness[i] * self.driven(run) + own.force[i]
             force = max(force, largest(run.q @ own.K[i] - pulled))
-        return self._units(self.speed(i) / self.omega, force)
+        return self.by(self.speed(i) / self.omega, force)
 
     def speed(self, i: int) -> float:
         """Return the largest speed of a coordinate about its usual one."""
@@ -107,14 +108,14 @@ class Sizes:
     def contact(self, one: ContactRow) -> Units:
         """Of a contact, by its fastest slip and its static friction."""
         fast = max(largest(slip(run, one)) for run in self.data)
-        return self._units(fast / self.omega, self.static(one))
+        return self.by(fast / self.omega, self.static(one))
 
     def channel(self, name: str) -> Units:
         """Of what a channel reads."""
         states = self.rig.state_names
         place, n = states.index(name), len(self.own.names)
         moves = self.speed(place % n)
-        return self._units(moves / self.omega if place < n else moves, self.friction())
+        return self.by(moves / self.omega if place < n else moves, self.friction())
 
 
 def slip(run: BodiesData, one: ContactRow) -> Floats:
@@ -131,13 +132,17 @@ def placed_kinds(model: Model, data: Sequence[BodiesData], *, one_way: bool) -> 
     model, data : the declared model, and its runs
     one_way : whether every contact slips one way only, so that a constant load is a change of friction
     """
-    sizes, out, acts = Sizes(model, data), [], []
+    sizes, acts = Sizes(model, data), []
+    out: list[EffectKind] = []
     for kind in CATALOGUE.values():
         if kind.anywhere.place is None or kind.anywhere.bristle is not None or kind.anywhere in acts:
             continue
         if one_way and kind.both_ways:
             continue
         acts.append(kind.anywhere)
+        if kind.anywhere.couples:
+            out += _coupled(kind, sizes)
+            continue
         out += [scaled(kind, where, units) for where, units in _places(kind, sizes)]
     return [one for one in out if has_room(model, one)]
 
@@ -180,6 +185,21 @@ def scaled(kind: EffectKind, where: str, units: Units) -> EffectKind:
     starts = tuple({k: v * sizes[k] for k, v in one.items()} for one in kind.starts)
     own = {"parameters": info, "starts": starts, "depends_on": _read(kind)}
     return replace(kind, where=where, **own)  # type: ignore[arg-type]  # a place of its own
+
+
+def _coupled(kind: EffectKind, sizes: Sizes) -> Iterator[EffectKind]:
+    """Friction of a contact pressed by what moves across it; a reading that has a share of another of its unit."""
+    own = sizes.own
+    for i, by in enumerate(own.names):
+        if kind.anywhere.reading is None:
+            for one in own.contacts:
+                if one.direction[i] == 0:
+                    units = sizes.by(sizes.speed(i) / sizes.omega, sizes.static(one))
+                    yield replace(scaled(kind, one.name, units), by=by, depends_on=(by, f"v_{by}"))
+            continue
+        for where, units in _places(kind, sizes):
+            if where != by and where in own.names and own.units[own.names.index(where)] == own.units[i]:
+                yield replace(scaled(kind, where, units), by=by, depends_on=(by,))
 
 
 def _read(kind: EffectKind) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.effect import Effect, FormulaEffect, Tabulated, effect
+from stickslip.declared.effect import Effect, FormulaEffect, Tabulated, called, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.learned import ScoredCurve
@@ -67,14 +67,12 @@ def term(kind: EffectKind, numbers: Mapping[str, float], phases: tuple[float, ..
     """Return an effect of a kind with its numbers."""
     if isinstance(kind, RivalKind):
         return Term(kind.made(numbers), phases, kind)
-    return Term(replace(effect(kind.name, **numbers), where=kind.where), phases, kind)
+    return Term(replace(effect(kind.name, **numbers), where=kind.where, by=kind.by), phases, kind)
 
 
 def label(kind: EffectKind) -> str:
     """Return what the numbers of an effect are called by."""
-    if isinstance(kind, RivalKind) or kind.where == KINDS[kind.name].where:
-        return kind.name
-    return f"{kind.name}@{kind.where}"
+    return kind.name if isinstance(kind, RivalKind) else called(kind.name, kind.where, kind.by)
 
 
 def place_of(kind: EffectKind) -> str:
