@@ -64,8 +64,8 @@ it). `normal_force_feedback` alone stops at zero: a contact does not pull.
 
 ## On rigs of bodies and matrices
 
-An effect of the catalogue acts where `where` puts it ([rigs.md](rigs.md#effects)); numbers in SI, R the law's. `other` is the
-coordinate that `by` names, and T_s the law's static limit for v < 0.
+An effect of the catalogue acts where `where` puts it ([rigs.md](rigs.md#effects)); numbers in SI, R the law's. `other`
+is the coordinate that `by` names, and T_s the law's static limit for v < 0.
 
 | name | put to | what it does there |
 |---|---|---|
