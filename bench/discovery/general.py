@@ -33,20 +33,20 @@ def draw(cases: Path, seed: int, *, others: bool = False, unlisted: bool = False
         for k, (name, plan) in enumerate(PLANS.items()):
             for i in range(OTHERS * len(plan().others)):
                 folder, own = cases / f"{name}_other_{i + 1}", 1000 * seed + 700 + 10 * k + i
-                truths.append(write_case(folder, name, own, effect=True, other=i // OTHERS))
+                truths.append(write_case(folder, plan(), own, effect=True, other=i // OTHERS))
         answers.write_text(json.dumps({"cases": truths}, indent=1))
         return truths
     if unlisted:
         for k, (name, plan) in enumerate(PLANS.items()):
             for i in range(len(plan().unlisted)):
                 folder, own = cases / f"{name}_unlisted_{i + 1}", 1000 * seed + 500 + 10 * k + i
-                truths.append(write_case(folder, name, own, effect=False, unlisted=i))
+                truths.append(write_case(folder, plan(), own, effect=False, unlisted=i))
         answers.write_text(json.dumps({"cases": truths}, indent=1))
         return truths
     for i in (0, EACH, *range(1, EACH), *range(EACH + 1, 2 * EACH)):
-        for k, name in enumerate(PLANS):
+        for k, (name, plan) in enumerate(PLANS.items()):
             folder = cases / f"{name}_{i + 1}"
-            truths.append(write_case(folder, name, 1000 * seed + 10 * k + i, effect=i < EACH))
+            truths.append(write_case(folder, plan(), 1000 * seed + 10 * k + i, effect=i < EACH))
     answers.write_text(json.dumps({"cases": truths}, indent=1))
     return truths
 
@@ -83,6 +83,14 @@ def said(pairs: object) -> str:
     return ", ".join(f"{name} of {where}" for name, where in pairs) or "nothing"  # type: ignore[attr-defined]
 
 
+def row(name: str, one: dict[str, Any]) -> str:
+    """A line of the table."""
+    covers = "" if not one["covers"] else f"{sum(one['covers'])} of {len(one['covers'])}"
+    error = ", ".join(f"{x:.3g}" for x in one.get("error", []))
+    cells = [name, said(one["acts"]), said(one["found"]), "yes" if one["exact"] else "no", covers, error]
+    return "| " + " | ".join([*cells, f"{one['seconds']:.0f}"]) + " |"
+
+
 @click.command()
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--seed", default=1, show_default=True)
@@ -99,10 +107,7 @@ def main(out: Path, seed: int, others: bool, unlisted: bool, limit: float) -> No
         discover(out / "cases" / name, out / "reports" / name, limit, 1)
         one = scored(truth, out / "reports" / name)
         rows.append(one)
-        covers = "" if not one["covers"] else f"{sum(one['covers'])} of {len(one['covers'])}"
-        error = ", ".join(f"{x:.3g}" for x in one.get("error", []))
-        cells = [name, said(one["acts"]), said(one["found"]), "yes" if one["exact"] else "no", covers, error]
-        lines.append("| " + " | ".join([*cells, f"{one['seconds']:.0f}"]) + " |")
+        lines.append(row(name, one))
         click.echo(lines[-1])
     lines.append(
         f"\n{sum(r['exact'] for r in rows)} of {len(rows)} right; {sum(r['false'] for r in rows)} with a false name."

@@ -63,7 +63,7 @@ def main(out: Path, rig: str, effect: str, first: int, seeds: int) -> None:
     every: dict[str, list[float]] = {}
     for seed in range(first, first + seeds):
         folder = out / f"{rig}_{seed}"
-        truth = general_draw.write_case(folder, rig, seed, effect=True)
+        truth = general_draw.write_case(folder, general_draw.PLANS[rig](), seed, effect=True)
         case = ss.load_case(folder / "rig.toml")
         declared = case.model()
         plain = Model(declared.rig, friction=declared.friction)

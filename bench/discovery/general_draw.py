@@ -194,8 +194,21 @@ v_s = 0.25
         ("link_3", _of("force", "-c*max(deflection_rate, 0)", c=(2.5, 4.0))),
         ("a", _of("factor", "1 - h*exp(-((u - m)/w)**2)", h=(0.2, 0.3), m=(0.35, 0.45), w=(0.1, 0.15))),
     )
+    others = (("belt_seam", "a", _sizes(a=(0.08, 0.12), L=(0.3, 0.6), phi=TURN)),)
     return Plan(
-        rig, laws, table, "belt_speed", 0.1, channels, 1e-4, 0.01, 9.0, 4.0, effects, unlisted=unlisted
+        rig,
+        laws,
+        table,
+        "belt_speed",
+        0.1,
+        channels,
+        1e-4,
+        0.01,
+        9.0,
+        4.0,
+        effects,
+        others=others,
+        unlisted=unlisted,
     )
 
 
@@ -330,12 +343,18 @@ class Rig:
 
 
 def write_case(
-    folder: Path, name: str, seed: int, *, effect: bool, other: int | None = None, unlisted: int | None = None
+    folder: Path,
+    plan: Plan,
+    seed: int,
+    *,
+    effect: bool,
+    other: int | None = None,
+    unlisted: int | None = None,
 ) -> dict[str, Any]:
     """Write a case; return its truth. With `other` or `unlisted` the effect of that number of these acts."""
-    rng, plan = np.random.default_rng([seed, 71]), PLANS[name]()
+    rng = np.random.default_rng([seed, 71])
     rig = _true_rig(plan, rng)
-    truth: dict[str, Any] = {"case": folder.name, "rig": name, "effects": []}
+    truth: dict[str, Any] = {"case": folder.name, "effects": []}
     drawn: tuple[str, str, Mapping[str, float]] | None = None
     if effect:
         kind, where, sizes = (
