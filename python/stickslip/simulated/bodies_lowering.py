@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -175,9 +175,15 @@ class LoweredBodies:
         """Return what the matrices move by with a number of the rig; exact, for what moves with its square at most."""
         size = self.model.parameters[name]
         step = NOMINAL * (abs(size) or 1.0)
-        ends = [moved_equations(self.model, name, size + one) for one in (-step, step)]
+        ends = [self.moved_equations(name, size + one) for one in (-step, step)]
         low, high = (_matrices(one, self.own, self.layout) for one in ends)
         return (high - low) / (2 * step)
+
+    def moved_equations(self, name: str, size: float) -> Equations:
+        """Return the equations with one number of the rig changed, and the contacts that effects add."""
+        own = self.own
+        moved = _moved_equations(self.model, name, size)
+        return replace(moved, contacts=(*moved.contacts, *own.equations.contacts[own.of_rig :]))
 
     def moves(self, names: Iterable[str]) -> Floats:
         """Return what the values move by as numbers of the rig grow together, relative to what they are, (size,)."""
@@ -382,8 +388,7 @@ def _matrices(eq: Equations, own: General, layout: Mapping[str, int]) -> Floats:
     return out
 
 
-def moved_equations(model: Model, name: str, size: float) -> Equations:
-    """Return the equations of a model with one number of its rig changed."""
+def _moved_equations(model: Model, name: str, size: float) -> Equations:
     if isinstance(model.rig, GeneralRig):
         return model.rig.moved({name: size})
     if name not in model.rig.__dataclass_fields__:  # an effect that corrects a number of the rig

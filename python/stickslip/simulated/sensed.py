@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.rigs.general import Equations, GeneralRig
-from stickslip.simulated.bodies_lowering import NOMINAL, LoweredBodies, moved_equations
+from stickslip.simulated.bodies_lowering import NOMINAL, LoweredBodies
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]
@@ -82,9 +82,7 @@ def weights_move(lowered: LoweredBodies, names: Iterable[str], relative: bool = 
             continue
         size = known[name]
         step = NOMINAL * (abs(size) or 1.0)
-        low, high = (
-            weights(lowered.own, moved_equations(lowered.model, name, size + one)) for one in (-step, step)
-        )
+        low, high = (weights(lowered.own, lowered.moved_equations(name, size + one)) for one in (-step, step))
         for channel in low:
             row = (high[channel] - low[channel]) / (2 * step) * (size if relative else 1.0)
             if row.any():

@@ -39,9 +39,14 @@ void forget_jumped_sides(Tape<T>& tape) {
 // Takes every speed to its piece at t, and the modes along.
 template <class T>
 void turn_corners(BodiesSystem<T>& sys, BodiesState<T>& s, const Real<T>& t, Side* on) {
+  set_first(sys, s);
+  link_speeds(sys);
+  expand_speeds(sys, 0);
   for (int i = 0; i < sys.speeds; ++i) {
     const SpeedTape& tape = sys.b->speed[i];
     Rail<T>& rail = sys.rail[i];
+    rail.before = static_cast<double>(value(sys.V[i * series_size]));
+    rail.size = std::max(rail.size, std::abs(rail.before));
     while (rail.now + 1 < tape.count && tape.begins[rail.now + 1] <= t) ++rail.now;
   }
   for (int e = 0; e < sys.pushes; ++e) forget_jumped_sides(sys.push[e].tape);

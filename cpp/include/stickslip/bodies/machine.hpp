@@ -56,8 +56,13 @@ struct BodiesMachine {
       if ((++summary.steps & 1023) == 0 && stop()) return finish(Outcome::interrupted);
       const R ahead = smallest(R(opt.t_end), next_corner(sys)), left = ahead - value(s.t);
       R h(0.0);
-      const int order = expand(h, left);
+      const int order = expand(h, left > 0 ? left : R(std::numeric_limits<double>::min()));
       if (!(h > 0)) return finish(Outcome::not_finite);
+      if (!(left > 0)) {  // an event came at the very time of a corner
+        advance(T(ahead) - s.t, order);
+        if (!goes_over([&] { turn_corners(sys, s, ahead, on); }, changed)) return;
+        continue;
+      }
       if (linear && value(s.t) < seen_from && ++calm > patience && crosses(h, left, observe, stepped)) continue;
       const bool last = h >= left;
       if (last) h = left;
@@ -82,21 +87,20 @@ struct BodiesMachine {
       leave_surfaces(sys, watch, watches, order, h, met, on, next_on);
       const bool corner = last && !exit.found && !ends;
       if (exit.found || corner) {
-        calm = 0;
-        for (int j = 0; j < sys.contacts; ++j) before[j] = sys.contact[j].mode;
-        if (corner) {
-          turn_corners(sys, s, ahead, on);
-        } else if (met < 2 * sys.contacts) {
-          change_contact(sys, s, met, exit.side, partner, on);
-        } else {
-          change_surface(sys, s, exit, watch, watches, order, on);
-        }
-        bool kink = true;
-        for (int j = 0; j < sys.contacts; ++j) kink = kink && before[j] == sys.contact[j].mode;
-        ++(kink ? summary.kinks : summary.transitions);
-        changed(*this, kink);
+        const bool goes_on = goes_over(
+            [&] {
+              if (corner) {
+                turn_corners(sys, s, ahead, on);
+              } else if (is_kink(sys, watch[exit.watch], exit.side)) {
+                change_pieces(sys, s, exit, watch, watches, order, on);
+              } else {
+                change_contact(sys, s, met, partner, on);
+                if (sys.pushes > 0) face_surfaces(sys, s, watch, R(1.0 / pace), on);
+              }
+            },
+            changed);
+        if (!goes_on) return;
         if (!corner && chatter.sees(value(s.t), pace)) return finish(Outcome::chatter);
-        if (summary.transitions + summary.kinks >= opt.max_transitions) return finish(Outcome::too_many_transitions);
       }
       stepped(*this);
       if (ends) break;
@@ -118,6 +122,20 @@ struct BodiesMachine {
     for (int i = 0; i < sys.ids; ++i) on[i] = Side::none;
     stepped(*this);
     return true;
+  }
+  // Modes or pieces change; false where that is one change too many.
+  template <class Change, class Changed>
+  bool goes_over(Change&& change, Changed& told) {
+    calm = 0;
+    for (int j = 0; j < sys.contacts; ++j) before[j] = sys.contact[j].mode;
+    change();
+    bool kink = true;
+    for (int j = 0; j < sys.contacts; ++j) kink = kink && before[j] == sys.contact[j].mode;
+    ++(kink ? summary.kinks : summary.transitions);
+    told(*this, kink);
+    if (summary.transitions + summary.kinks < opt.max_transitions) return true;
+    finish(Outcome::too_many_transitions);
+    return false;
   }
   // The series of the piece that starts here; returns their order, and the step in h.
   int expand(R& h, const R& left) {

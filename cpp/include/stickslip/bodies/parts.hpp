@@ -36,6 +36,7 @@ struct Rail {  // a prescribed speed
   int now = 0;
   bool steady = true, filled = false;  // constant at present; its series stands
   bool linear = true;                  // linear in t at present
+  double before = 0, size = 0;         // what it was just before a corner; the largest that it has been at one
 };
 
 }  // namespace stickslip::inline STICKSLIP_ISA

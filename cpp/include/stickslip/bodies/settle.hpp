@@ -16,17 +16,25 @@ constexpr double rest_share = 1e-12;  // of the speeds that v is the difference 
 
 template <class T>
 void let_go(Contact<T>& c, int direction) {
+  const bool watched = c.mode == sticks;  // both tapes are, in stick
   c.mode = static_cast<signed char>(direction);
   c.leaving = true;
-  forget_sides(tape_of(c));
+  watched ? forget_sides_of_slip(tape_of(c)) : forget_sides(tape_of(c));
 }
 template <class T>
 void come_to_rest(Contact<T>& c, const T& t) {
+  Tape<T>&was = tape_of(c), &other = c.tape[c.mode > 0 ? 0 : 1];
+  forget_sides(other);
+  if (c.mode == sticks) {
+    forget_sides(was);
+  } else {  // where both directions have the same surface, it stands on the side that it stood on
+    forget_sides_of_slip(was);
+    for (int i = 0; i < other.formulas->count && i < was.formulas->count; ++i)
+      if (other.key[i] == was.key[i]) other.node[i].side = was.node[i].side;
+  }
   c.mode = sticks;
   c.leaving = false;
   c.since = t;
-  forget_sides(c.tape[0]);
-  forget_sides(c.tape[1]);
 }
 
 // Room between the limits of a stuck contact, which forces are compared with.

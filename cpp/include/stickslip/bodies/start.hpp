@@ -20,20 +20,29 @@ void set_compliant(BodiesSystem<T>& sys, BodiesState<T>& s) {
   }
 }
 
-// Modes by the speeds alone (2 in `given`), or as given; then the rule. `jumped`: speeds that are not what they were.
+// Modes by the speeds alone (2 in `given`), or as given; then the rule. Where it goes on, a contact whose prescribed speed
+// does not jump is in the mode that it was in, whatever rounding makes of its speed.
 template <class T>
 void set_bodies_modes(BodiesSystem<T>& sys, BodiesState<T>& s, const signed char* given, bool at_start, Side* on) {
   set_first(sys, s);
   link_speeds(sys);
   expand_speeds(sys, 1);
+  for (int i = 0; i < sys.speeds; ++i)
+    sys.rail[i].size = std::max(sys.rail[i].size, std::abs(static_cast<double>(value(sys.V[i * series_size]))));
   for (int j = 0; j < sys.contacts; ++j) {
     Contact<T>& c = sys.contact[j];
+    const double V = c.speed < 0 ? 0.0 : static_cast<double>(value(sys.V[c.speed * series_size]));
+    const double before = c.speed < 0 || at_start ? V : sys.rail[c.speed].before;
+    double size = std::abs(V) + std::abs(before);
+    if (!at_start && (c.speed < 0 || std::abs(V - before) <= rest_share * (size + sys.rail[c.speed].size))) continue;
     const double v = static_cast<double>(value(relative_speed(sys, s, j)));
-    double size = c.speed < 0 ? 0.0 : std::abs(static_cast<double>(value(sys.V[c.speed * series_size])));
     for (int i = 0; i < sys.n; ++i) size += std::abs(static_cast<double>(value(sys.D(j)[i]) * value(s.z[sys.n + i])));
     const bool rest = std::abs(v) <= rest_share * size;
     const int asked = at_start && given[j] != 2 ? given[j] : (rest ? sticks : (v < 0 ? slips_minus : slips_plus));
-    if (!at_start && (asked == c.mode || (rest && c.leaving))) continue;
+    if (!at_start && (asked == c.mode || (rest && c.leaving))) {
+      if (c.mode != sticks) forget_sides_of_slip(tape_of(c));
+      continue;
+    }
     on[2 * j] = on[2 * j + 1] = Side::none;
     const T since = c.since;
     if (asked == sticks && !c.compliant[0]) {

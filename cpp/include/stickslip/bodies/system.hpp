@@ -87,6 +87,7 @@ struct BodiesSystem {
         one.tape[s].place(arena, law.branch[s], parameters);
         one.tape[s].reads = {
             values + at.parameters, row(u, j), time, row(dwell, j), states_of + first, 0.0, false, q, v, x, V};
+        if (real) set_keys(one.tape[s], j);
         one.tape[s].first_id = ids;
         ids += law.branch[s].count;
       }
@@ -122,6 +123,7 @@ struct BodiesSystem {
       one.first_state = first;
       one.tape.place(arena, given.formulas, parameters);
       one.tape.reads = {values + at.parameters, time, time, time, states_of + first, 0.0, false, q, v, x, V};
+      if (real) set_keys(one.tape, contacts + e);
       one.tape.first_id = ids;
       ids += given.formulas.count;
       if (real)

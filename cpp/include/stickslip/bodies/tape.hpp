@@ -102,7 +102,8 @@ struct Tape {
   Real<T>* reals = nullptr;
   Dual<4>* slopes = nullptr;
   T* numbers = nullptr;
-  int first_id = 0;  // of its switching functions: one a node
+  int first_id = 0;              // of its switching functions: one a node
+  std::uint64_t* key = nullptr;  // of the function that a node is: equal where nodes of any tapes are the same one
 
   const Node& at(int i) const { return formulas->nodes[i]; }
 
@@ -119,6 +120,7 @@ struct Tape {
     reals = arena.take<Real<T>>(n);
     slopes = arena.take<Dual<4>>(n);
     numbers = arena.take<T>(n);
+    key = arena.take<std::uint64_t>(n);
     for (int i = 0; i < n; ++i) {
       const Node& one = tape.nodes[i];
       if (is_piecewise(one.op)) ++pieces;
@@ -140,10 +142,45 @@ struct Tape {
   }
 };
 
+// The keys of a tape's nodes; what it reads of its own (u, v, dwell, states) is told from that of others by `owner`.
+template <class T>
+void set_keys(Tape<T>& tape, int owner) {
+  const auto mixed = [](std::uint64_t a, std::uint64_t b) {  // splitmix64 of a pair
+    std::uint64_t x = a * 0x9E3779B97F4A7C15ULL + b + 0xD1B54A32D192ED03ULL;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+    return x ^ (x >> 31);
+  };
+  const auto pair = [&](Op op, std::uint64_t a, std::uint64_t b) {
+    return mixed(mixed(static_cast<std::uint64_t>(op) + 1, a), b);
+  };
+  for (int i = 0; i < tape.formulas->count; ++i) {
+    const Node& one = tape.at(i);
+    const bool own = one.op == Op::u || one.op == Op::v || one.op == Op::dwell || one.op == Op::state;
+    if (is_leaf(one.op)) {
+      tape.key[i] = pair(one.op, static_cast<std::uint64_t>(one.a), own ? static_cast<std::uint64_t>(owner) + 1 : 0);
+    } else {
+      tape.key[i] = pair(one.op, tape.key[one.a], is_binary(one.op) ? tape.key[one.b] : 0);
+    }
+  }
+}
+
 // Sides that were kept from an earlier visit are forgotten: the state decides anew.
 template <class T>
 void forget_sides(Tape<T>& tape) {
   for (int i = 0; i < tape.formulas->count; ++i) tape.node[i].side = 0;
+}
+
+// The same of surfaces that hang on v, and of those that were not watched. On a surface of anything else, the state does
+// not tell which side the trajectory comes from.
+template <class T>
+void forget_sides_of_slip(Tape<T>& tape) {
+  for (int i = 0; i < tape.formulas->count; ++i) {
+    const Node& one = tape.at(i);
+    tape.marks[i] = one.op == Op::u || one.op == Op::v ||
+                    (!is_leaf(one.op) && (tape.marks[one.a] || (is_binary(one.op) && tape.marks[one.b])));
+    if (tape.marks[i] || !tape.wanted[i]) tape.node[i].side = 0;
+  }
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA
