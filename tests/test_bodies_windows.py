@@ -127,9 +127,9 @@ def test_a_velocity_is_a_reading() -> None:
     held_against_differences(windows, at, "velocity")
 
 
-def test_a_law_with_states_is_refused() -> None:
+def test_a_law_whose_state_carries_nothing_at_rest_is_refused() -> None:
     case = CASES["pin"]()
-    law = ss.LuGreFriction(sigma0=1e5, sigma1=300, sigma2=0.4, F_c=2, F_s=4, v_s=1e-3)
+    law = ss.RateAndStateFriction(mu0=0.6, a=0.01, b=0.015, D_c=1e-5, V_0=1e-3, normal=5)
     t, readings = simulated(case, 1.0)
     model = ss.Model(case.model.rig, friction=law)
     own = bench_of(model, [recording(case, t, readings)], Uncertainty.usual(model.rig))

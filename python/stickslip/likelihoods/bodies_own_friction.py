@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.declared.effect import effect
-from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
-from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.contact_scatter import scattering
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
@@ -29,11 +27,6 @@ def lowered(model: Model, run: BodiesData) -> LoweredBodies:
     Return a model as the core takes it, each contact's friction with numbers that a window has of its own.
 
     A belt whose speed is no number has one by what share it is faster: `OFF`.
-
-    Raises
-    ------
-    InputError
-        A law has states of its own.
     """
     if model.rig.equations.on_belt and run.belt.constant is None:  # type: ignore[union-attr]
         model = replace(model, effects=(*model.effects, FASTER))
@@ -41,13 +34,6 @@ def lowered(model: Model, run: BodiesData) -> LoweredBodies:
         model,
         run.belt if model.rig.equations.on_belt else None,  # type: ignore[union-attr]
         run.drive if model.rig.equations.driven else None,  # type: ignore[union-attr]
-        differing=_scattering,
+        differing=scattering,
     )
     return lower_bodies(own, model)
-
-
-def _scattering(law: LawForm, place: int) -> LawForm:
-    if law.states:
-        words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
-        raise InputError(words, key="friction")
-    return scattering(law, place)

@@ -7,12 +7,35 @@ from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import Equations
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]
 AHEAD = 3  # samples of a slip that say which way it goes
+
+
+def carried(rig: Equations, run: BodiesData, i: int, direction: Floats, q: Floats) -> float:
+    """
+    Return the friction that holds a contact at a sample, by the springs and dampers on it.
+
+    Parameters
+    ----------
+    rig, run, i : equations, a run and a sample of it
+    direction : (n,) of the contact
+    q : (n,) where the rig is
+    """
+    pulls = rig.force - rig.K @ q - rig.C @ run.v[i]
+    pulls = pulls + rig.drive_stiffness * (run.drawn + float(run.drive.way(run.t[i])))
+    pulls = pulls + rig.drive_damping * float(run.drive(run.t[i]))
+    return float(direction @ pulls / (direction @ direction))
+
+
+def grows(rig: Equations, run: BodiesData, i: int, direction: Floats) -> float:
+    """Return how fast the friction that holds a contact grows at a sample, by the springs on it; as `carried`."""
+    pulls = rig.drive_stiffness * float(run.drive(run.t[i])) - rig.K @ run.v[i]
+    return float(direction @ pulls / (direction @ direction))
 
 
 def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
@@ -42,9 +65,6 @@ def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
         ahead = slice(first, min(first + AHEAD, window.stop))
         slip = float(np.mean(contact.slip(run.v[ahead], run.belt(run.t[ahead]))))
         limit = law_of(model.friction, contact).static_limits[0 if slip < 0 else 1]
-        pulls = rig.force - rig.K @ (run.q[last] + out) - rig.C @ run.v[last]
-        pulls = pulls + rig.drive_stiffness * (run.drawn + float(run.drive.way(run.t[last])))
-        pulls = pulls + rig.drive_damping * float(run.drive(run.t[last]))
-        held = float(contact.direction @ pulls / (contact.direction @ contact.direction))
+        held = carried(rig, run, last, contact.direction, run.q[last] + out)
         out[lost] -= np.linalg.pinv(stiff) @ along * (np.sign(slip) * limit - held)
     return out

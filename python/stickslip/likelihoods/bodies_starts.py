@@ -11,6 +11,8 @@ from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
+# of the integration, in the shortest natural period; motions take 65 at most
+STEPS_A_PERIOD, LEAST_STEPS = 300, 1000
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,7 @@ class BodiesStart:
     scale_v: Floats
     free: Floats  # (n, n); a column of zeros for what sticks
     held: Floats  # (n,)
+    lift: Floats  # (n, sticking): what v moves by as they creep
 
 
 def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> BodiesStart:
@@ -36,12 +39,13 @@ def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> Bodies
     scale_q, scale_v = scales
     n = len(scale_q)
     if not len(D):
-        return BodiesStart(scale_q, scale_v, np.eye(n), np.zeros(n))
+        return BodiesStart(scale_q, scale_v, np.eye(n), np.zeros(n), np.zeros((n, 0)))
     scaled = D * scale_v
     _, _, turned = np.linalg.svd(scaled)
     free = np.zeros((n, n))
     free[:, : n - len(D)] = turned[len(D) :].T
-    return BodiesStart(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
+    lift = scale_v[:, None] * np.linalg.pinv(scaled)
+    return BodiesStart(scale_q, scale_v, free, lift @ speeds, lift)
 
 
 def scales_of(run: BodiesData) -> tuple[Floats, Floats]:
@@ -55,3 +59,9 @@ def resolved(scales: tuple[Floats, Floats], policy: Policy) -> float:
     """Return the absolute tolerance of a run's simulations: states may be of micrometres, in SI."""
     smallest = min(float(one.min()) for one in scales)
     return 0.01 * policy.tolerance * min(smallest, 1.0)
+
+
+def most_steps(lasts: float, run: BodiesData, policy: Policy, hidden: bool) -> int:
+    """Return steps of a window, some times as many as motions take; of fast hidden states as many as any."""
+    usual = max(STEPS_A_PERIOD * lasts / run.periods[1], LEAST_STEPS)
+    return int(policy.most_integration_steps if hidden else min(usual, policy.most_integration_steps))

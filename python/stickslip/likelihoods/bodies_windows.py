@@ -16,16 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.declared.bodies_model import law_of
+from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
+from stickslip.likelihoods.bodies_law_states import LawStates, refuse_hidden
 from stickslip.likelihoods.bodies_own_friction import OFF, lowered, places_of
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
-from stickslip.likelihoods.bodies_starts import BodiesStart, resolved, scales_of, start_of
+from stickslip.likelihoods.bodies_starts import BodiesStart, most_steps, resolved, scales_of, start_of
 from stickslip.likelihoods.contact_scatter import OWN, ContactScatter, differing, kinds
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import WindowMotion
@@ -36,8 +39,6 @@ from stickslip.simulated.sensed import everything, everything_moves, weights_mov
 Floats = NDArray[np.float64]
 BELT = "belt_speed"
 BELT_OFF = "belt_off"  # by what share a run's belt is faster than set
-# of the integration, in the shortest natural period; motions take 65 at most
-STEPS_A_PERIOD, LEAST_STEPS = 300, 1000
 
 
 class BodiesWindows(EventWindows[BodiesData, Cut]):
@@ -47,13 +48,8 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
     What they share are numbers of the laws, of the rig over what is declared of them, and gains.
 
     A window's own numbers are the state that it begins with, (q, v) in units of how far the run moves, of v what no
-    contact in stick takes; then its random effects: of each contact relative kinetic and static friction, and the
-    belt's relative speed.
-
-    Raises
-    ------
-    InputError
-        A law has states of its own, which no reading shows at the start of a window.
+    contact in stick takes, and states of laws; then its random effects: of each contact relative kinetic and static
+    friction, and the belt's relative speed.
     """
 
     def __init__(
@@ -72,17 +68,18 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.lowered = [lowered(model, run) for run in data]
         own = self.lowered[0].own
         self.dimension = len(own.equations.names)
-        self.begins = 2 * self.dimension
+        self.of_laws = LawStates(own, self.laws_of(model))
+        refuse_hidden(self.of_laws.laws)
+        self.law_states = self.of_laws.every(self.data, self.stretches)
+        self.begins = 2 * self.dimension + self.of_laws.count
         moves = own.equations.on_belt and any(run.belt.constant != 0 for run in data)
         self.differs = differing(own, moves)
         self.effects = len(self.differs.of)
         self.own = self.begins + self.effects
         laws = own.laws[: own.of_rig]
         contacts = [j for j, law in enumerate(laws) for _ in kinds(law)]
-        self.contact_of = (
-            *contacts,
-            *[-1] * (self.effects - len(contacts)),
-        )  # of each effect; the belt is no contact
+        # of each effect; the belt is no contact
+        self.contact_of = (*contacts, *[-1] * (self.effects - len(contacts)))
         self.statics = tuple(
             k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".static")
         )
@@ -107,24 +104,30 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         out = []
         for w in self.stretches:
             run, own = self.data[w.run], self.lowered[w.run].own.equations
-            rows = [j for j, mode in enumerate(w.modes) if mode == 0]
+            laws = self.lowered[w.run].own.laws
+            rows = [j for j, mode in enumerate(w.modes) if mode == 0 and not laws[j].compliant]
             D = own.directions[rows]
             belted = np.array([own.contacts[j].against == "belt" for j in rows], dtype=float)
             out.append(start_of(D, belted * float(run.belt(run.t[w.start])), self.scales[w.run]))
         return out
 
+    def laws_of(self, model: Model) -> list[LawForm]:
+        """The law of each contact."""
+        return [law_of(model.friction, one).form() for one in self.rig.equations.contacts]
+
     def first(self, at: Floats | None = None) -> Floats:
         """See `EventWindows.first`; of the motion that the readings show."""
-        model = self.model if at is None else self._at(at)
+        model = self.model if at is None else self.at_numbers(at)
         out = np.zeros((len(self.stretches), self.own))
         n = self.dimension
         for row, w, start in zip(out, self.stretches, self.starts, strict=True):
             run = self.data[w.run]
             row[:n] = (run.q[w.start] + let_go(run, w, self.lowered[w.run].own, model)) / start.scale_q
-            row[n : 2 * n] = start.free.T @ ((run.v[w.start] - start.held) / start.scale_v)
+            v = self.of_laws.creeping(self.laws_of(model), run, w)
+            row[n : 2 * n] = start.free.T @ ((v - start.held) / start.scale_v)
         return out
 
-    def _at(self, at: Floats) -> Model:
+    def at_numbers(self, at: Floats) -> Model:
         """The model with laws as fitted; as declared where a fit has gone where no law is."""
         laws, model = self.model.friction.numbers, self.model
         with suppress(InputError):
@@ -236,14 +239,17 @@ class RunWindows:
         moving = [of.numbers[j] for j, row in zip(self.shared, self.rows, strict=True) if row is not None]
         return np.array([1.0 if one.name in apart else one.usual for one in moving] + [1.0] * of.own)
 
-    def _own_rows(self, start: BodiesStart) -> tuple[Floats, Floats]:
+    def _own_rows(self, i: int) -> tuple[Floats, Floats]:
         """Seeds of a window's own numbers, (own, size); what of the start they do not move is in the values."""
-        of, n = self.of, self.of.dimension
+        of, n, start = self.of, self.of.dimension, self.of.starts[i]
+        about, sizes = of.law_states
         rows = np.zeros((of.own, len(self.base)))
         begin = self.lowered.layout["initial"]
         rows[range(n), range(begin, begin + n)] = start.scale_q
         rows[n : 2 * n, begin + n : begin + 2 * n] = (start.scale_v[:, None] * start.free).T
         offset = np.zeros(len(self.base))
+        hidden = range(begin + 2 * n, begin + of.begins)
+        rows[range(2 * n, of.begins), hidden], offset[hidden] = sizes, about[i]
         for k, place in enumerate(self.effect_places):
             row = rows[of.begins + k]
             if place is None:
@@ -275,16 +281,15 @@ class RunWindows:
         """Places of the random effects among the values; None of the belt's."""
         out: list[int | None] = []
         for j, law in enumerate(self.lowered.own.laws[: self.lowered.own.of_rig]):
-            out += [self._of_contact(OWN[kind], j) for kind in kinds(law)]
+            for kind in kinds(law):
+                name = next(name for name in self.lowered.places if name.endswith(f"{OWN[kind]}{j}"))
+                out.append(self._place(name))
         return out + [None] * (self.of.effects - len(out))
-
-    def _of_contact(self, number: str, contact: int) -> int:
-        return self._place(next(name for name in self.lowered.places if name.endswith(f"{number}{contact}")))
 
     def started(self, i: int, own: Floats) -> tuple[Floats, Floats]:
         """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
-        of, w = self.of, self.of.stretches[i]
-        rows, offset = self._own_rows(of.starts[i])
+        w = self.of.stretches[i]
+        rows, offset = self._own_rows(i)
         belt = [self.of.numbers[j].name == BELT_OFF for j in self.shared]
         values = self.base + offset + own @ rows + self.belt_off * rows[-1]
         moved = [
@@ -299,9 +304,8 @@ class RunWindows:
     def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
         """Run the core from the start of a window; whether it came to the end."""
         of, w = self.of, self.of.stretches[i]
-        values, rows = map(
-            np.nan_to_num, self.started(i, own)
-        )  # where some is not finite the window fails anyway
+        # where some is not finite the window fails anyway
+        values, rows = map(np.nan_to_num, self.started(i, own))
         t = self.data.t[w.start : w.stop]
         raw: Mapping[str, Any] = _core.simulate_bodies(
             **self.lowered.arguments,
@@ -315,17 +319,12 @@ class RunWindows:
             locator=_core.Locator.henon,
             seeds=rows if seeds else rows[: len(rows) - of.own],
             max_transitions=of.policy.most_transitions,
-            max_steps=self._most_steps(float(t[-1] - t[0])),
+            max_steps=most_steps(float(t[-1] - t[0]), self.data, of.policy, of.of_laws.count > 0),
             sensed=bool(of.sensed),
         )
         done = raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
         slopes = [name for name in ("sensitivity", "sensed_sensitivity") if name in raw]
         return {**raw, **{name: raw[name] / self.units[: raw[name].shape[2]] for name in slopes}}, done
-
-    def _most_steps(self, lasts: float) -> int:
-        """Steps of a window, some times as many as the rig's motions take: what asks for more is none of them."""
-        usual = max(STEPS_A_PERIOD * lasts / self.data.periods[1], LEAST_STEPS)
-        return int(min(usual, self.of.policy.most_integration_steps))
 
     def read(self, raw: Mapping[str, Any], own: Floats, local: bool) -> tuple[Floats, Floats]:
         """Return readings (n, channels) and their slopes (n, channels, columns)."""

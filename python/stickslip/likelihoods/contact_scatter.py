@@ -130,6 +130,8 @@ def _of_slow_sliding(law: LawForm, slides: Tree, limit: Tree) -> str | None:
         with np.errstate(all="ignore"):
             return float(value(slides, {**law.numbers, **AT_REST, "u": u, name: law.numbers[name] + more}))
 
+    if names(slides) & {one.name for one in law.states}:
+        return None
     holds = float(value(limit, {**law.numbers, **AT_REST}))
     for name in law.numbers:
         slow, fast = (force(u, name, holds) - force(u, name, 0.0) for u in (0.0, FAST))

@@ -33,6 +33,7 @@ LAST_TURNS = 40  # of it at the end of a fit
 TURNS = 6  # of the population's optimiser in a step
 ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
+ROUNDS = 4  # of a fit of laws with states that ran out of steps
 
 
 def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = map) -> Fit:
@@ -71,7 +72,17 @@ def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = ma
 def _of_bodies(first: Fit, policy: Policy) -> Fit:
     """The fit of a rig of bodies; where it explains little, one from windows that settle alone may do better."""
     fit = fitted(first, policy)
-    return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
+    if unexplained(fit) >= policy.noise_left:
+        fit = _best(fit, _alone_first(_wide(first), policy))
+    windows = first.windows
+    assert isinstance(windows, BodiesWindows)
+    for _ in range(ROUNDS if windows.of_laws.count else 0):  # by stiff laws the way is long
+        if fit.steps < policy.most_steps:
+            break
+        fit, before = _best(fit, fitted(fit, policy)), fit
+        if fit.deviance > before.deviance - policy.noticed:
+            break
+    return fit
 
 
 def _best_of_shown(first: Fit, shown: Fit, policy: Policy, twice: bool, each: Each) -> Fit:

@@ -63,8 +63,9 @@ class General:
         return len(self.laws) - sum(one.rubs is not None for one in self.effects.all)
 
     def modes(self, given: Sequence[int]) -> list[int]:
-        """Return modes of all contacts as the core has them; those that effects add follow from the state."""
-        return [*given, *[2] * (len(self.laws) - len(given))]
+        """Return modes as the core has them; those of laws without stick and of effects follow from the state."""
+        known = [2 if law.compliant else mode for mode, law in zip(given, self.laws, strict=False)]
+        return [*known, *[2] * (len(self.laws) - len(given))]
 
     @property
     def hidden(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.bodies_model import law_of
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import AnyEffect, FormulaEffect, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
@@ -101,9 +102,11 @@ class Sizes:
 
     def static(self, one: ContactRow) -> float:
         """Return the static friction of a contact, as declared: what its law has at rest."""
-        laws = getattr(self.model.friction, "laws", None)
-        law = self.model.friction if laws is None else dict(laws)[one.law or next(iter(dict(laws)))]
-        return max(float(np.max(law.static_limits)), 1e-300)
+        return max(float(np.max(law_of(self.model.friction, one).static_limits)), 1e-300)
+
+    def sticks(self, one: ContactRow) -> bool:
+        """Return whether the law of a contact has a static limit."""
+        return not law_of(self.model.friction, one).form().compliant
 
     def contact(self, one: ContactRow) -> Units:
         """Of a contact, by its fastest slip and its static friction."""
@@ -246,7 +249,9 @@ def _places(kind: EffectKind, sizes: Sizes) -> Iterator[tuple[str, Units]]:
             moving = {"belt": own.on_belt, "drive": own.driven}
             yield from ((name, Units(1.0, sizes.omega, 1.0)) for name, moves in moving.items() if moves)
         case _:
-            yield from ((one.name, sizes.contact(one)) for one in own.contacts)
+            for one in own.contacts:
+                if acts.aging is None or sizes.sticks(one):
+                    yield one.name, sizes.contact(one)
 
 
 def _pushed(kind: EffectKind, read: set[str], sizes: Sizes) -> Iterator[tuple[str, Units]]:
