@@ -204,6 +204,46 @@ def test_a_force_by_the_size_of_a_speed_begins_on_the_side_that_the_body_goes_to
         )
 
 
+def test_a_belt_that_jumps_the_way_a_slip_has_just_begun_moves_no_body() -> None:
+    """The spring has the static limit where the belt speeds up: friction is bounded, and no speed jumps."""
+    run = end(
+        ss.Model(rig(against="belt"), friction=coulomb(1, 0.5)), initial=(1 - 0.3 * 0.7, 0.3),
+        belt_speed=S.steps([0, 0.7], [0.3, "0.8 - 5*(t - 0.7)"]), t_end=0.75,
+    )  # fmt: skip
+    t = 0.05  # it slips back on the faster belt: x'' = 0.5 - x
+    np.testing.assert_allclose(run.a[-1], 0.5 + 0.5 * np.cos(t) + 0.3 * np.sin(t), atol=1e-9)
+    np.testing.assert_allclose(run.v_a[-1], -0.5 * np.sin(t) + 0.3 * np.cos(t), atol=1e-9)
+
+
+def test_three_kinks_at_one_place_are_passed() -> None:
+    text = "-0.25*sign(deflection) - abs(deflection) + max(0, -deflection)"
+    model = ss.Model(rig(k=2.0, m=3.0, c=0.1), friction=coulomb(0, 0), effects=[force(text, "w")])
+    run = end(model, initial=(0.3, -1.5), t_end=12, rtol=1e-11, atol=1e-11)
+
+    def field(_: float, y: np.ndarray) -> list[float]:
+        q = y[0]
+        return [y[1], (-2 * q - 0.1 * y[1] - 0.25 * np.sign(q) - abs(q) + max(0.0, -q)) / 3]
+
+    theirs = scipy.integrate.solve_ivp(field, (0, 12), [0.3, -1.5], rtol=1e-10, atol=1e-12, max_step=1e-3)
+    np.testing.assert_allclose(run.state[-1], theirs.y[:, -1], atol=2e-4)  # which does not find the kinks
+
+
+def test_a_release_by_a_jump_does_not_hang_on_the_limit() -> None:
+    """A force that jumps takes a stuck block beyond its limit: when is the time of the jump, whatever the spring."""
+    jump = force("0.5*sign(1 - t) + 0.5*abs(t - 1)", "w")
+    pulled = ss.Model(rig(k=1.0, m=4.0), friction=coulomb(1, 1), effects=[jump])
+
+    def run(k: float, **more: object) -> ss.Trajectory:
+        return end(
+            pulled.replace({"link_1.stiffness": k}), initial=(1, 0), t_end=2, rtol=1e-12, atol=1e-12, **more
+        )
+
+    h = 1e-6
+    moved = (run(1 + h).state[-1] - run(1 - h).state[-1]) / (2 * h)
+    seeds = run(1.0, sensitivity=["link_1.stiffness"]).sensitivity[-1, :, 0]
+    np.testing.assert_allclose(seeds, moved, atol=1e-5)
+
+
 def test_derivatives_by_a_link_beside_a_contact_that_an_effect_adds() -> None:
     pair = ss.BodiesRig(
         body={"a": ss.Body(mass=1), "b": ss.Body(mass=1)}, link=[ss.Link(between=("a", "b"), stiffness=1)],

@@ -52,11 +52,12 @@ R land(const R* c, int n, R a, R b, R guess, bool henon) {
     if (s == 0) return t;
     (s > 0 ? a : b) = t;
     R next = t - s / slope;  // dt = dS / S', dS = -S
-    const bool inside = slope < 0 && next >= a && next <= b;
-    if (!inside || magnitude(next - t) > 0.75 * last) next = a + (b - a) * 0.5;  // singular: bracket
-    last = magnitude(next - t);
+    const bool newton = slope < 0 && next >= a && next <= b && magnitude(next - t) <= 0.75 * last;
+    if (!newton) next = a + (b - a) * 0.5;  // singular: bracket
+    if (!newton && !(next > a && next < b)) return b;
+    last = newton ? R(magnitude(next - t)) : R(b - a);
     t = next;
-    if (last <= settled * b) return t;
+    if (newton && last <= settled * b) return t;
   }
   return t;
 }

@@ -138,6 +138,15 @@ bool met_too(const Watch<T>& w, Side side, int order, const Real<T>& h, const Re
   return off <= largest(R(scale * together), R(magnitude(slope) * instant));
 }
 
+// Is S beyond a bound at the start of a piece by more than rounding over the time `span`?
+template <class T>
+bool far_beyond(const Watch<T>& w, const T& bound, const Real<T>& span) {
+  using R = Real<T>;
+  R scale(0.0), power = span;
+  for (int k = 1; k <= departures; ++k, power *= span) scale += magnitude(value(w.c[k])) * power;
+  return magnitude(value(w.c[0]) - value(bound)) > scale * departing;
+}
+
 // Calls f(tape, node) for the node of a tape whose surface has this id.
 template <class T, class F>
 void at_node(BodiesSystem<T>& sys, int id, F&& f) {

@@ -73,7 +73,9 @@ struct BodiesMachine {
       T dt(h);
       if (exit.found) {
         const Watch<T>& w = watch[exit.watch];
-        dt = with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
+        const T& bound = exit.side == Side::lower ? w.lo : w.hi;
+        // what a jump has put beyond a bound is beyond it at that time, wherever the bound is
+        dt = exit.t > 0 || !far_beyond(w, bound, R(1.0 / pace)) ? with_derivatives(w.c, bound, order, exit.t) : T(0.0);
         h = exit.t;
       } else if (last) {
         dt = T(ahead) - s.t;
@@ -84,7 +86,11 @@ struct BodiesMachine {
       find_partners(sys, met, order, h, partner);
       advance(dt, order);
       if (!std::isfinite(sum_of(sys, s))) return finish(Outcome::not_finite);
-      leave_surfaces(sys, watch, watches, order, h, met, on, next_on);
+      if (h > 2 * least) {  // after no time it stands where it stood
+        leave_surfaces(sys, watch, watches, order, h, met, on, next_on);
+      } else if (met >= 0) {
+        on[met] = Side::none;
+      }
       const bool corner = last && !exit.found && !ends;
       if (exit.found || corner) {
         const bool goes_on = goes_over(

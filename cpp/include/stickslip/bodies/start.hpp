@@ -41,6 +41,10 @@ void set_bodies_modes(BodiesSystem<T>& sys, BodiesState<T>& s, const signed char
     const int asked = at_start && given[j] != 2 ? given[j] : (rest ? sticks : (v < 0 ? slips_minus : slips_plus));
     if (!at_start && (asked == c.mode || (rest && c.leaving))) {
       if (c.mode != sticks) forget_sides_of_slip(tape_of(c));
+      if (!rest) {
+        on[2 * j] = on[2 * j + 1] = Side::none;
+        c.leaving = false;
+      }
       continue;
     }
     on[2 * j] = on[2 * j + 1] = Side::none;
