@@ -86,7 +86,7 @@ LAWS
 `..._plus` parameters are those of slip with v_w > 0; left out, both directions share a number.
 
 These laws are simulated on every rig. On rigs of bodies and of matrices, `identify` fits those that have no state
-of their own:
+of their own, and those whose one state carries the load at rest, as a bristle does:
 
 | law | what it says |
 |---|---|

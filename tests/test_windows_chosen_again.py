@@ -14,7 +14,7 @@ from stickslip.discovery.laboratory.trials import Trial
 from stickslip.likelihoods.fit import begun, fitted, null
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "bench" / "discovery"))
-from general_draw import write_case
+from general_draw import PLANS, write_case
 
 sys.path.pop(0)
 PLACE = "spring_cubic_k1@link_1"
@@ -22,7 +22,7 @@ PLACE = "spring_cubic_k1@link_1"
 
 def test_windows_in_which_an_effect_does_much_are_fitted_once_it_is_known(tmp_path: Path) -> None:
     """The declared model left out 7 of 84, and the cubic spring was 10 % off, five standard errors."""
-    truth = write_case(tmp_path / "drill", "drill", 54001, effect=True)
+    truth = write_case(tmp_path / "drill", PLANS["drill"](), 54001, effect=True)
     case = ss.load_case(tmp_path / "drill")
     declared = case.model()
     every = bench_of(Model(declared.rig, friction=declared.friction), case.train, case.uncertainty)

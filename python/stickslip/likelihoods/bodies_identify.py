@@ -63,7 +63,7 @@ def identify_bodies(
     Raises
     ------
     InputError
-        A law has states of its own, or a run is too short.
+        A law has states that carry no load at rest, or a run is too short.
     StickslipError
         No law of this kind moves the rig like the readings.
     """

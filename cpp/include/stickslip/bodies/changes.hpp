@@ -7,9 +7,9 @@ namespace stickslip::inline STICKSLIP_ISA {
 
 constexpr double same_bound = 1e-12;  // bounds of u nearer than this, relatively, are one: knots that two pieces share
 
-constexpr int departures = 5;  // orders at which a departure is looked for
-constexpr double on_surface = 1e-12,
-                 departing = 1e-9;  // shares of what a surface moves by: at most rounding, at least more
+constexpr int departures = 5;         // orders at which a departure is looked for
+constexpr double on_surface = 1e-12;  // of what a surface moves by: rounding at most
+constexpr double departing = 1e-9;    // the same: more than rounding
 
 constexpr double just_beyond = 1e-10;  // a bound of u, where the sides beyond it are looked at
 
@@ -125,14 +125,21 @@ bool is_kink(const BodiesSystem<T>& sys, const Watch<T>& w, Side side) {
   return sys.contact[w.id / 2].mode != sticks && !(side == Side::lower && value(w.lo) == 0);
 }
 
+// By how much S may move over a span: sum over k >= 1 of |c_k| span^k.
+template <class T>
+Real<T> moves_by(const T* c, int order, const Real<T>& span) {
+  Real<T> sum(0.0);
+  for (int k = order; k >= 1; --k) sum = (sum + magnitude(value(c[k]))) * span;
+  return sum;
+}
+
 // Is S of a piece, which ends at t, on a bound at its end, to rounding, and on its way out?
 template <class T>
 bool met_too(const Watch<T>& w, Side side, int order, const Real<T>& h, const Real<T>& t) {
   using R = Real<T>;
   const R slope = value(evaluate_slope(w.c, order, h));
   if (side == Side::lower ? !(slope < 0) : !(slope > 0)) return false;
-  R scale = magnitude(value(w.c[0])), power = h;
-  for (int k = 1; k <= order; ++k, power *= h) scale += magnitude(value(w.c[k])) * power;
+  const R scale = magnitude(value(w.c[0])) + moves_by(w.c, order, h);
   const R off = magnitude(value(evaluate(w.c, order, h)) - value(side == Side::lower ? w.lo : w.hi));
   const R instant = magnitude(t) * (4 * std::numeric_limits<R>::epsilon());
   return off <= largest(R(scale * together), R(magnitude(slope) * instant));
@@ -141,10 +148,7 @@ bool met_too(const Watch<T>& w, Side side, int order, const Real<T>& h, const Re
 // Is S beyond a bound at the start of a piece by more than rounding over the time `span`?
 template <class T>
 bool far_beyond(const Watch<T>& w, const T& bound, const Real<T>& span) {
-  using R = Real<T>;
-  R scale(0.0), power = span;
-  for (int k = 1; k <= departures; ++k, power *= span) scale += magnitude(value(w.c[k])) * power;
-  return magnitude(value(w.c[0]) - value(bound)) > scale * departing;
+  return magnitude(value(w.c[0]) - value(bound)) > moves_by(w.c, departures, span) * departing;
 }
 
 // Calls f(tape, node) for the node of a tape whose surface has this id.
@@ -205,10 +209,9 @@ void face_surfaces(BodiesSystem<T>& sys, BodiesState<T>& s, Watch<T>* watch, con
   for (int w = 0, watches = list_watches(sys, watch); w < watches; ++w) {
     if (watch[w].id < 2 * sys.contacts) continue;
     const T* c = watch[w].c;
-    R scale(0.0), power = span;
-    for (int k = 1; k <= departures; ++k, power *= span) scale += magnitude(value(c[k])) * power;
+    const R scale = moves_by(c, departures, span);
     if (magnitude(value(c[0])) > scale * on_surface) continue;
-    power = span;
+    R power = span;
     int k = 1;
     for (; k <= departures && !(magnitude(value(c[k])) * power > scale * departing); ++k) power *= span;
     if (k > departures) continue;

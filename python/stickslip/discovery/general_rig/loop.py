@@ -53,7 +53,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     Raises
     ------
     InputError
-        A law has states of its own; the runs are too short; a channel never changes.
+        A law has states that carry no load at rest; the runs are too short; a channel never changes.
     StickslipError
         No law of the declared kind moves the rig like the readings.
     """
