@@ -64,6 +64,22 @@ def test_the_limit_that_friction_is_a_share_of_is_that_of_the_law_now() -> None:
     np.testing.assert_allclose(seeds, slope, atol=1e-6 * np.abs(slope).max())
 
 
+def test_the_limit_is_the_declared_law_s_whatever_acts_beside_it() -> None:
+    """As in the core of the named rigs, where friction has a peak too."""
+    rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    pressed = ss.effect("normal_force_feedback", beta2=1.5, eta2=0.3)
+    peak = ss.effect("stribeck_peak", dT=0.6, v_s=0.05)
+    both = ss.Model(rig, friction=ss.HyperbolicFriction(scale=0.7, decay=3.0), effects=[peak, pressed])
+    t = np.linspace(0, 30, 61)
+    ours, named = (
+        ss.simulate(
+            both, belt_speed=speed, initial=(0.1, 0.1, 0.02, 0.0), t_end=30, t_eval=t, rtol=1e-11, atol=1e-11
+        )
+        for speed in ("0.1 + 0*t", 0.1)
+    )
+    np.testing.assert_allclose(ours.state, named.state, atol=1e-8)
+
+
 def test_its_numbers_go_by_place_and_coordinate(tmp_path: Path) -> None:
     both = model(PRESSED, CROSSED)
     names = {"normal_force_feedback@contact_1+across.beta2", "sensor_crosstalk@along+across.c"}

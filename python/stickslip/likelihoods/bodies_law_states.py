@@ -19,12 +19,10 @@ from stickslip.declared.law_form import LawForm
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
-from stickslip.likelihoods.bodies_release import carried, grows
+from stickslip.likelihoods.bodies_release import carried
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]
-STEPS = 8  # of Newton's method; a bristle's force is straight in it
-MOST = 20.0  # times the creep of a bristle that nothing lets slip; beyond it the contact slips
 
 
 @dataclass(frozen=True)
@@ -71,26 +69,6 @@ class LawStates:
             out += states
         return np.asarray(np.nan_to_num(np.array(out)))
 
-    def creeping(self, laws: Sequence[LawForm], run: BodiesData, window: Cut) -> Floats:
-        """
-        Return velocities at the start of a window, (n,): what sticks to the eye creeps as its load grows.
-
-        Parameters
-        ----------
-        laws : of the contacts, with their numbers now
-        run, window : a run and its window
-        """
-        rig, s = self.own.equations, window.start
-        v = run.v[s].copy()
-        for contact, law, mode in zip(rig.contacts, laws, window.modes, strict=False):
-            if mode != 0 or not _bristles(law):
-                continue
-            bristle, d = _Bristle(law), contact.direction
-            z = bristle.carrying(carried(rig, run, s, d, run.q[s]), 0.0)
-            off = bristle.creep(z, grows(rig, run, s, d)) - float(contact.slip(v, run.belt(run.t[s])))
-            v = v + d * off / float(d @ d)
-        return np.asarray(v)
-
 
 def refuse_hidden(laws: Sequence[LawForm]) -> None:
     """
@@ -128,34 +106,18 @@ class _Bristle:
         self.held = substituted(law.minus.force, {f"{self.name}_rate": law.minus.rates[0]})
         self.slope = derivative(self.held, self.name)
 
-    def _at(self, tree: Tree, z: float, v: float) -> float:
-        of = {**self.law.numbers, "t": 0.0, "dwell": 0.0, self.name: z, "u": abs(v), "v": v}
+    def _at(self, tree: Tree, z: float) -> float:
+        of = {**self.law.numbers, "t": 0.0, "dwell": 0.0, self.name: z, "u": 0.0, "v": 0.0}
         with np.errstate(all="ignore"):
             return float(value(tree, of))
 
     def carries(self) -> bool:
         """Return whether its force at rest follows from it."""
         usual = _steady(self.law, 1.0)[0]
-        slope = self._at(self.slope, usual, 0.0)
+        slope = self._at(self.slope, usual)
         return bool(np.isfinite(slope) and slope != 0)
 
     def carrying(self, load: float, usual: float) -> float:
-        """Return the state whose force at rest is a load; where there is none, the usual one."""
+        """Return the state whose force at rest is a load, of one that it is straight in; else about that."""
         z = usual if np.isfinite(usual) else 0.0
-        for _ in range(STEPS):
-            slope = self._at(self.slope, z, 0.0)
-            if slope == 0 or not np.isfinite(slope):
-                return usual
-            z -= (self._at(self.held, z, 0.0) - load) / slope
-        return z if np.isfinite(z) else usual
-
-    def creep(self, z: float, grows: float) -> float:
-        """Return the speed at which its force grows so fast; 0 where it slips rather."""
-        slope = self._at(self.slope, z, 0.0)
-        v = needed = grows / slope if slope else 0.0  # of one that nothing lets slip
-        for _ in range(STEPS):
-            rate = self._at(self.law.branch(1 if v > 0 else -1).rates[0], z, v)
-            if rate == 0 or not np.isfinite(rate):
-                return 0.0
-            v *= needed / rate
-        return v if np.isfinite(v) and abs(v) < MOST * abs(needed) else 0.0
+        return z - (self._at(self.held, z) - load) / self._at(self.slope, z)

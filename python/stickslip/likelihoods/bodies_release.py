@@ -32,12 +32,6 @@ def carried(rig: Equations, run: BodiesData, i: int, direction: Floats, q: Float
     return float(direction @ pulls / (direction @ direction))
 
 
-def grows(rig: Equations, run: BodiesData, i: int, direction: Floats) -> float:
-    """Return how fast the friction that holds a contact grows at a sample, by the springs on it; as `carried`."""
-    pulls = rig.drive_stiffness * float(run.drive(run.t[i])) - rig.K @ run.v[i]
-    return float(direction @ pulls / (direction @ direction))
-
-
 def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
     """
     Return what positions that are not read are to be moved by at the start of a window, (coordinates,).

@@ -23,7 +23,6 @@ class BodiesStart:
     scale_v: Floats
     free: Floats  # (n, n); a column of zeros for what sticks
     held: Floats  # (n,)
-    lift: Floats  # (n, sticking): what v moves by as they creep
 
 
 def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> BodiesStart:
@@ -39,13 +38,12 @@ def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> Bodies
     scale_q, scale_v = scales
     n = len(scale_q)
     if not len(D):
-        return BodiesStart(scale_q, scale_v, np.eye(n), np.zeros(n), np.zeros((n, 0)))
+        return BodiesStart(scale_q, scale_v, np.eye(n), np.zeros(n))
     scaled = D * scale_v
     _, _, turned = np.linalg.svd(scaled)
     free = np.zeros((n, n))
     free[:, : n - len(D)] = turned[len(D) :].T
-    lift = scale_v[:, None] * np.linalg.pinv(scaled)
-    return BodiesStart(scale_q, scale_v, free, lift @ speeds, lift)
+    return BodiesStart(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
 
 
 def scales_of(run: BodiesData) -> tuple[Floats, Floats]:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.declared.bodies_model import law_of
-from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
@@ -68,7 +67,8 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.lowered = [lowered(model, run) for run in data]
         own = self.lowered[0].own
         self.dimension = len(own.equations.names)
-        self.of_laws = LawStates(own, self.laws_of(model))
+        plain = [law_of(model.friction, one).form() for one in self.rig.equations.contacts]
+        self.of_laws = LawStates(own, plain)
         refuse_hidden(self.of_laws.laws)
         self.law_states = self.of_laws.every(self.data, self.stretches)
         self.begins = 2 * self.dimension + self.of_laws.count
@@ -111,10 +111,6 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
             out.append(start_of(D, belted * float(run.belt(run.t[w.start])), self.scales[w.run]))
         return out
 
-    def laws_of(self, model: Model) -> list[LawForm]:
-        """The law of each contact."""
-        return [law_of(model.friction, one).form() for one in self.rig.equations.contacts]
-
     def first(self, at: Floats | None = None) -> Floats:
         """See `EventWindows.first`; of the motion that the readings show."""
         model = self.model if at is None else self.at_numbers(at)
@@ -123,8 +119,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         for row, w, start in zip(out, self.stretches, self.starts, strict=True):
             run = self.data[w.run]
             row[:n] = (run.q[w.start] + let_go(run, w, self.lowered[w.run].own, model)) / start.scale_q
-            v = self.of_laws.creeping(self.laws_of(model), run, w)
-            row[n : 2 * n] = start.free.T @ ((v - start.held) / start.scale_v)
+            row[n : 2 * n] = start.free.T @ ((run.v[w.start] - start.held) / start.scale_v)
         return out
 
     def at_numbers(self, at: Floats) -> Model:

@@ -157,10 +157,8 @@ def general(
             "a curve acts where all speeds are numbers and no law or effect is a formula", key="effects"
         )
     effects = effects_of(model.effects, Places(rig, own, order))
-    laws = tuple(
-        effects.changed(j, differing(law_of(model.friction, one).form(), j))
-        for j, one in enumerate(own.contacts)
-    )
+    plain = [law_of(model.friction, one).form() for one in own.contacts]
+    laws = tuple(effects.changed(j, differing(law, j), law) for j, law in enumerate(plain))
     own, laws = with_rubbing(own, laws, effects)
     speeds = []
     for key, given, needed in (

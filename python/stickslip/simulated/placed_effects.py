@@ -56,11 +56,12 @@ class Effects:
     readings: Mapping[str, Tree]
     prescribed: tuple[Speed, Speed] = (Speed.of(0.0), Speed.of(0.0))
 
-    def changed(self, j: int, law: LawForm) -> LawForm:
-        """Return the law of contact j with what effects make of it, in their order."""
+    def changed(self, j: int, law: LawForm, declared: LawForm | None = None) -> LawForm:
+        """Return the law of contact j with what effects make of it, in their order; T_s is that of the one declared."""
+        plain = declared or law
         for one in self.all:
             if one.contact == j:
-                law = _changed(law, one)
+                law = _changed(law, one, plain)
         return law
 
     def factor(self, key: str) -> Tree | None:
@@ -119,10 +120,10 @@ def _after(true: Tree, before: Tree) -> Callable[[Tree], Tree]:
     return lambda tree: substituted(tree, {true.name: before})
 
 
-def _changed(law: LawForm, one: Placed) -> LawForm:
+def _changed(law: LawForm, one: Placed, declared: LawForm) -> LawForm:
     acts = dict(one.acts or {})
     if any(LIMIT in names(tree) for tree in acts.values()):
-        limit = _limit(law, one.label)
+        limit = _limit(declared, one.label)
         acts = {key: substituted(tree, {LIMIT: limit}) for key, tree in acts.items()}
     extra = {**law.numbers, **one.numbers}
     states = tuple(StateForm(each.name, each.start) for each in one.states)

@@ -1,7 +1,7 @@
 // Times at which a prescribed speed goes over to another piece.
 #pragma once
 
-#include "stickslip/bodies/changes.hpp"
+#include "stickslip/bodies/kinks.hpp"
 #include "stickslip/trajectory.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
