@@ -2,6 +2,8 @@
 
 The motion is the package's core's; what makes a laboratory of it is drawn here: friction of every contact anew at each
 stick, constants and gains a little off from what is declared, set-points a little off, noise of the readings.
+
+Over 400 lines: half of it is the three rigs as their files have them, which are read beside what is drawn of them.
 """
 
 from __future__ import annotations
